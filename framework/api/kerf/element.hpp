@@ -1,0 +1,73 @@
+// The contract of elements: from nodal motion to strain, stress and internal forces, block by block.
+#pragma once
+
+#include <cstdint>
+
+#include "kerf/eos.hpp"
+#include "kerf/erosion.hpp"
+#include "kerf/law.hpp"
+#include "kerf/material.hpp"
+
+namespace kerf {
+
+/// Combines the erosion criteria of a material; provided by the engine.
+class ErosionJudge {
+ public:
+  virtual ~ErosionJudge() = default;
+  /// Judges one block; `rows` are filled by the element as in ErosionBatch, reads and states by the engine.
+  /// Returns a bit mask of failed lanes; `block` is the block's number within the part.
+  virtual unsigned judge(ErosionBatch& rows, int block) = 0;
+};
+
+/// Forces of lower magnitude than `limit` quanta are exact to half a quantum; beyond it, the run stops.
+struct ForceScale {
+  double quantum = 1.0, per_quantum = 1.0;  // [N], [1/N]; powers of two
+  static constexpr double limit = 144115188075855872.0;  // 2^57, so that 32 contributions cannot overflow
+};
+
+/// One part on one rank as an element sees it. Arrays of nodes have four entries per node, the fourth unused;
+/// arrays of elements are blocked: [block][component][lane]. Lanes that hold no element point to dummy nodes
+/// and are computed like all others.
+struct ElementWork {
+  // nodes
+  const double* position = nullptr;  // [m]
+  const double* velocity = nullptr;  // at mid-step [m/s]
+  std::int64_t* force = nullptr;  // accumulated, in quanta
+  ForceScale scale;
+  // step
+  double dt = 0.0;
+  // laws
+  const Material* material = nullptr;
+  const Eos* eos = nullptr;
+  ErosionJudge* judge = nullptr;  // null where nothing erodes
+  double reference_density = 0.0;
+  // elements
+  int n_blocks = 0;
+  const std::int32_t* nodes = nullptr;  // [block][8][lane]
+  const double* mass = nullptr;  // [kg]
+  double* volume = nullptr;  // [m3]
+  double* deviator = nullptr;  // [block][6][lane] [Pa]
+  double* pressure = nullptr;  // with no bulk viscosity [Pa]
+  double* internal_energy = nullptr;  // of the element, bulk viscosity's work included [J]
+  double* viscous_energy = nullptr;  // the bulk viscosity's share of it [J]
+  double *element_state = nullptr, *material_state = nullptr, *eos_state = nullptr;
+  int n_element_state = 0, n_material_state = 0, n_eos_state = 0;
+  // results
+  double energy_per_quantum = 1.0;  // [1/J]
+  std::int64_t hourglass_energy = 0;  // in energy quanta
+  double least_step[lane_width];  // smallest stable step seen per lane, without safety factor [s]
+  std::int64_t least_block[lane_width];
+  std::uint8_t* failed = nullptr;  // [block] bit mask of lanes to erode
+  int bad_block = -1;  // first block with a force that is not finite or too large
+  int inverted_block = -1;  // first block with an inverted element that no criterion erodes
+};
+
+class Element : public Law {
+ public:
+  /// Integrates one step of all blocks and adds their forces.
+  virtual void add_internal_forces(ElementWork& work) const = 0;
+  /// Sets volume, pressure and the stable step, and adds the forces of an initial pressure. For the first cycle.
+  virtual void initialise(ElementWork& work) const = 0;
+};
+
+}  // namespace kerf

@@ -1,0 +1,106 @@
+// The contract of erosion criteria: laws that say when an element has failed.
+#pragma once
+
+#include <cstdint>
+
+#include "kerf/law.hpp"
+#include "kerf/math.hpp"
+#include "kerf/plugin.hpp"
+
+namespace kerf {
+
+struct ErosionInputPoint {
+  SymTensor stress;  // Cauchy stress, tension positive [Pa]
+  double pressure = 0.0;  // positive in compression [Pa]
+  double density_ratio = 1.0;  // density / reference density [-]
+  double volume_ratio = 1.0;  // volume / initial volume, not positive where the element is inverted [-]
+  double time_step = 0.0;  // stable time step of the element, without safety factor [s]
+  SymTensor strain_increment;  // midpoint [-]
+  Rotation rotation;  // rotation of the step
+};
+
+/// What a criterion says of a point: the value it looked at, and 1 where the element has failed, else 0.
+struct Verdict {
+  double value = 0.0;
+  double failed = 0.0;
+};
+
+/// One block of `lane_width` points; see MaterialBatch.
+struct ErosionBatch {
+  const double (*stress)[lane_width] = nullptr;  // [6][lane]
+  const double (*strain_increment)[lane_width] = nullptr;  // [6][lane]
+  const double (*rotation)[lane_width] = nullptr;  // [9][lane]
+  const double *pressure = nullptr, *density_ratio = nullptr, *volume_ratio = nullptr, *time_step = nullptr;
+  const double* const* reads = nullptr;  // [variable] -> [lane]
+  double* state = nullptr;  // [variable][lane]
+  double *value = nullptr, *failed = nullptr;
+};
+
+class ErosionCriterion : public Law {
+ public:
+  virtual void judge(const ErosionBatch& batch) const = 0;
+  /// Cycles between two looks. A criterion that keeps state is updated every cycle all the same.
+  std::int64_t check_interval = 1;
+};
+
+/// A criterion whose law is `Verdict judge_point(const ErosionInputPoint&, const Reads&, State&) const`.
+template <class LawType>
+class PointwiseErosion : public ErosionCriterion {
+ public:
+  void judge(const ErosionBatch& b) const final {
+    using State = typename LawType::State;
+    using Reads = typename LawType::Reads;
+    double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
+    double value[lane_width], failed[lane_width];
+    detail::LaneVariables<State> state;
+    detail::LaneVariables<Reads> reads;
+    for (int l = 0; l < lane_width; ++l) {
+      for (int k = 0; k < 6; ++k) {
+        stress[k][l] = b.stress[k][l];
+        strain[k][l] = b.strain_increment[k][l];
+      }
+      for (int k = 0; k < 9; ++k) rotation[k][l] = b.rotation[k][l];
+      rest[0][l] = b.pressure[l];
+      rest[1][l] = b.density_ratio[l];
+      rest[2][l] = b.volume_ratio[l];
+      rest[3][l] = b.time_step[l];
+    }
+    state.read(b.state);
+    reads.read(b.reads);
+    const auto& law = static_cast<const LawType&>(*this);
+    // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
+    const auto one_point = [&](int l) __attribute__((always_inline)) {
+      ErosionInputPoint in;
+      in.stress = detail::tensor_at(stress, l);
+      in.strain_increment = detail::tensor_at(strain, l);
+      in.rotation = {rotation[0][l], rotation[1][l], rotation[2][l], rotation[3][l], rotation[4][l],
+                     rotation[5][l], rotation[6][l], rotation[7][l], rotation[8][l]};
+      in.pressure = rest[0][l];
+      in.density_ratio = rest[1][l];
+      in.volume_ratio = rest[2][l];
+      in.time_step = rest[3][l];
+      State point = state.at(l);
+      const Verdict verdict = law.judge_point(in, reads.at(l), point);
+      state.set(l, point);
+      value[l] = verdict.value;
+      failed[l] = verdict.failed;
+    };
+#pragma omp simd
+    for (int l = 0; l < lane_width; ++l) one_point(l);
+    state.write(b.state);
+    for (int l = 0; l < lane_width; ++l) {
+      b.value[l] = value[l];
+      b.failed[l] = failed[l];
+    }
+  }
+
+ protected:
+  /// Declares the check interval that every criterion takes.
+  template <class S>
+  static void describe_interval(S& s) {
+    s.integer(&ErosionCriterion::check_interval, "check_interval", positive, "cycles between two looks")
+        .by_default("1");
+  }
+};
+
+}  // namespace kerf

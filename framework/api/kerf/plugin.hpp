@@ -1,0 +1,106 @@
+// How a plugin makes itself known: the registrar it is handed, and the macros that define its entry point.
+//
+// Registration is an explicit call from a table that CMake generates (never a static initialiser, which
+// vanishes from static libraries). The same source file serves as an in-tree plugin and as a shared library.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "kerf/schema.hpp"
+
+namespace kerf {
+
+/// Number of the contract between engine and plugins; raised whenever a header in kerf/ changes meaning.
+inline constexpr int interface_version = 1;
+
+/// Plain data that both sides compare before any call into a loaded library.
+struct Manifest {
+  int interface = 0;
+  int lane_width = 0;
+  int size_of_description = 0, size_of_parameter = 0, size_of_plugin = 0;
+  char compiler[64] = {};
+  char kerf_version[32] = {};
+};
+
+#ifndef KERF_VERSION
+#define KERF_VERSION "0.1.0"
+#endif
+
+inline Manifest this_manifest() {
+  Manifest m;
+  m.interface = interface_version;
+  m.lane_width = kerf::lane_width;
+  m.size_of_description = sizeof(Description);
+  m.size_of_parameter = sizeof(Parameter);
+  m.size_of_plugin = sizeof(Plugin);
+  const char* compiler = __VERSION__;
+  for (int i = 0; i < 63 && compiler[i] != '\0'; ++i) m.compiler[i] = compiler[i];
+  const char* version = KERF_VERSION;
+  for (int i = 0; i < 31 && version[i] != '\0'; ++i) m.kerf_version[i] = version[i];
+  return m;
+}
+
+/// A registered type: what it declares and how one is made. `parameters` is the address to fill.
+struct Made {
+  std::unique_ptr<Plugin> plugin;
+  void* parameters = nullptr;
+};
+
+/// Receives registrations. Implemented by the engine's registry.
+class Registrar {
+ public:
+  virtual ~Registrar() = default;
+  virtual void add(Description description, Made (*make)()) = 0;
+
+  template <class T>
+  void add_type(const char* kind, const char* name, const char* summary, const char* origin) {
+    Description d;
+    d.kind = kind;
+    d.name = name;
+    d.summary = summary;
+    d.origin = origin;
+    Schema<T> schema(d);
+    T::describe(schema);
+    add(
+        std::move(d), +[] {
+          auto object = std::make_unique<T>();
+          void* address = static_cast<T*>(object.get());
+          return Made{std::move(object), address};
+        });
+  }
+};
+
+}  // namespace kerf
+
+// A shared plugin exports its manifest and its registration under fixed names; in-tree plugins are called
+// by a name made from the file, which kerf_add_plugin() passes as KERF_PLUGIN_ENTRY.
+#ifdef KERF_PLUGIN_SHARED
+#define KERF_REGISTER(...)                                                                                  \
+  extern "C" __attribute__((visibility("default"))) kerf::Manifest kerf_plugin_manifest() {                 \
+    return kerf::this_manifest();                                                                           \
+  }                                                                                                         \
+  extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf::Registrar& registrar) { \
+    __VA_ARGS__                                                                                             \
+  }
+#else
+#ifndef KERF_PLUGIN_ENTRY
+#define KERF_PLUGIN_ENTRY kerf_plugin_register_unnamed
+#endif
+#define KERF_REGISTER(...)                            \
+  void KERF_PLUGIN_ENTRY(kerf::Registrar& registrar); \
+  void KERF_PLUGIN_ENTRY(kerf::Registrar& registrar) { __VA_ARGS__ }
+#endif
+
+/// One line inside KERF_REGISTER(...); a file may register several types.
+#define KERF_TYPE(Type, kind, name, summary) registrar.add_type<Type>(kind, name, summary, __FILE__);
+
+#define KERF_MATERIAL(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "material", name, summary))
+#define KERF_EOS(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "eos", name, summary))
+#define KERF_EROSION(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "erosion", name, summary))
+#define KERF_CONTACT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "contact", name, summary))
+#define KERF_ELEMENT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "element", name, summary))
+#define KERF_PARTITIONER(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "partitioner", name, summary))
+#define KERF_MEASURE(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "measure", name, summary))
+#define KERF_BOUNDARY(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "boundary", name, summary))

@@ -1,0 +1,89 @@
+// `kerf check`: everything that can be known about a run before its first step.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "app/commands.hpp"
+#include "app/load_input.hpp"
+#include "core/diagnostics.hpp"
+#include "core/physics_error.hpp"
+#include "dynamics/simulation.hpp"
+#include "kerf/measure.hpp"
+#include "mesh/quality.hpp"
+#include "parallel/communicator.hpp"
+#include "parallel/runtime.hpp"
+
+namespace kerf {
+
+namespace {
+
+/// Mesh quality of all parts.
+void print_meshes(const ModelInput& input) {
+  fmt::print("{:<16}{:>12}{:>12}{:>15}{:>15}{:>16}\n", "part", "elements", "nodes", "smallest edge", "largest edge",
+             "scaled Jacobian");
+  for (const auto& part : input.parts) {
+    const MeshReport r = assess(*part->mesh);
+    fmt::print("{:<16}{:>12}{:>12}{:>13.4g} m{:>13.4g} m{:>16.3f}\n", part->name, r.n_elements, r.n_nodes,
+               r.smallest_edge, r.largest_edge, r.min_scaled_jacobian);
+  }
+  std::fflush(stdout);
+}
+
+std::size_t memory_of(const Model& model) {
+  std::size_t bytes = 0;
+  for (const PartModel& p : model.parts) bytes += p.store->bytes();
+  // Nodes: the stores, the index, and the surface's neighbours.
+  bytes += static_cast<std::size_t>(model.nodes.n()) * (sizeof(NodeRecord) + 160);
+  bytes += static_cast<std::size_t>(model.n_live_local()) * 24;
+  return bytes;
+}
+
+void print_report(Simulation& simulation, const ModelInput& input) {
+  const Model& model = simulation.model();
+  const double dt = simulation.first_stable_step() * input.time.safety_factor;
+  const double results = input.output.results_interval > 0.0 ? input.output.results_interval : input.time.end / 20.0;
+  const double frames = std::floor(input.time.end / results + 1e-9) + 1.0;
+  const double bytes_per_value = input.output.precision == "double" ? 8.0 : 4.0;
+  double node_values = 3.0, element_values = 0.0;
+  for (const std::string& f : input.output.node_fields) node_values += f == "mass" ? 1.0 : 3.0;
+  for (const std::string& f : input.output.element_fields) element_values += f == "stress" ? 6.0 : 1.0;
+  const double frame = static_cast<double>(model.n_nodes) * node_values * bytes_per_value +
+                       static_cast<double>(model.n_elements) * (element_values * bytes_per_value + 2.0);
+  fmt::print("\nelements             {}\nnodes                {}\n", model.n_elements, model.n_nodes);
+  fmt::print("first time step      {:.4g} s, set by element {}\n", dt, simulation.reduction().least_id);
+  fmt::print("cycles, about        {:.0f}\n", input.time.end / dt);
+  fmt::print("memory, about        {:.1f} MB\n", static_cast<double>(memory_of(model)) * 1e-6);
+  fmt::print("output, about        {:.1f} MB in {:.0f} frames\n",
+             (frame * frames + static_cast<double>(model.n_elements) * 84.0) * 1e-6, frames);
+  fmt::print("mass                 {:.6g} kg\n", simulation.ledger().initial_mass);
+  fmt::print("kinetic energy       {:.6g} J\n", simulation.ledger().initial_energy);
+  fmt::print("initial penetration  none\n");
+}
+
+}  // namespace
+
+int check_command(const RunOptions& options, Registry& registry) {
+  int argc = 0;
+  char** argv = nullptr;
+  const ParallelRuntime runtime(argc, argv);
+  const bool root = rank_of(runtime.comm()) == 0;
+  try {
+    const auto input = load_input(runtime.comm(), options, registry);
+    if (root) print_meshes(*input);
+    Simulation simulation(runtime.comm(), *input, registry);
+    if (root) print_report(simulation, *input);
+    return exit_done;
+  } catch (const InputError& e) {
+    if (root)
+      for (const std::string& line : e.lines()) fmt::print(stderr, "{}\n", line);
+    MPI_Barrier(runtime.comm());
+    return exit_input_error;
+  } catch (const PhysicsError& e) {
+    if (root) fmt::print(stderr, "{}: error: the run cannot start: {}\n", options.input, e.what());
+    MPI_Barrier(runtime.comm());
+    return exit_physics;
+  }
+}
+
+}  // namespace kerf

@@ -1,0 +1,50 @@
+// The sub-commands of `kerf`. Each returns the exit code of the program.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plugin/registry.hpp"
+
+namespace kerf {
+
+/// Exit codes that scripts may rely on.
+enum ExitCode : int {
+  exit_done = 0,
+  exit_other = 1,
+  exit_input_error = 2,
+  exit_physics = 3,  // stopped by a check: energy, time step, NaN
+  exit_signal = 4,  // stopped by a signal; can be resumed
+};
+
+/// What `run` and `check` are told. `plugins` are in the registry already when a command is called.
+struct RunOptions {
+  std::string input, output;
+  std::vector<std::string> overrides;  // "key.path=value"
+  std::vector<std::string> plugins;  // paths of shared libraries
+  bool resume = false;
+  int ranks = 0;  // 0 where not given
+};
+
+// These start and end MPI. Only rank 0 prints.
+int run_command(const RunOptions& options, Registry& registry);
+int check_command(const RunOptions& options, Registry& registry);
+
+// These need no MPI.
+int list_command(const Registry& registry, const std::string& kind);
+/// `names` is NAME or KIND NAME; "input" names the whole input file.
+int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown);
+int schema_command(const Registry& registry);
+int reference_command(const Registry& registry, const std::string& folder);
+
+/// Whether relaunch_under_mpirun() would start mpirun.
+bool needs_mpirun(int ranks);
+
+/// Runs this program again under mpirun where `ranks` asks for several and mpirun did not start it. Does not return
+/// then. Throws std::runtime_error where mpirun cannot be started or runs another number of ranks.
+void relaunch_under_mpirun(int ranks, int argc, char** argv);
+
+/// Prints what all ranks find alike outside MPI, once: only on the first of the processes that mpirun started.
+void print_errors(const std::vector<std::string>& lines);
+
+}  // namespace kerf

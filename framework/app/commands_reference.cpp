@@ -1,0 +1,75 @@
+// The commands that show what can stand in an input: list, describe, schema, reference.
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "app/commands.hpp"
+#include "core/diagnostics.hpp"
+#include "input/json_schema.hpp"
+#include "input/parameter_text.hpp"
+#include "input/reference_writer.hpp"
+
+namespace kerf {
+namespace {
+
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+int refuse(const std::string& message) {
+  fmt::print(stderr, "error: {}\n", message);
+  return exit_other;
+}
+
+bool is_kind(const Registry& registry, const std::string& kind) { return !registry.names(kind).empty(); }
+
+}  // namespace
+
+int list_command(const Registry& registry, const std::string& kind) {
+  if (!kind.empty() && !is_kind(registry, kind))
+    return refuse(fmt::format("there is no kind \"{}\"{}", kind, suggestion(kind, registry.kinds(), "the kinds")));
+  print(list_text(registry, kind));
+  return exit_done;
+}
+
+int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown) {
+  const auto show = [&](const Description& d) {
+    print(markdown ? describe_markdown(d) : describe_text(d));
+    return exit_done;
+  };
+  const std::string& name = names.back();
+  if (names.size() == 1 && name == "input") return show(input_description());
+  std::vector<const Description*> found;
+  std::vector<std::string> all = {"input"}, homonyms;
+  for (const std::string& kind : registry.kinds()) {
+    if (names.size() == 2 && kind != names.front()) continue;
+    for (const std::string& candidate : registry.names(kind)) all.push_back(candidate);
+    if (const Description* d = registry.find(kind, name)) {
+      found.push_back(d);
+      homonyms.push_back(fmt::format("`kerf describe {} {}`", kind, name));
+    }
+  }
+  if (names.size() == 2 && !is_kind(registry, names.front()))
+    return refuse(fmt::format("there is no kind \"{}\"{}", names.front(),
+                              suggestion(names.front(), registry.kinds(), "the kinds")));
+  if (found.empty() && names.size() == 1 && is_kind(registry, name))
+    return refuse(fmt::format("\"{}\" is a kind, not a name; `kerf list {}` shows its names", name, name));
+  if (found.empty()) {
+    const std::string near = nearest_name(name, all);
+    return refuse(fmt::format("nothing is called \"{}\"; {}", name,
+                              near.empty() ? "`kerf list` shows all names" : "did you mean `" + near + "`?"));
+  }
+  if (found.size() > 1)
+    return refuse(fmt::format("\"{}\" is the name of several; say {}", name, listed(homonyms, " or ")));
+  return show(*found.front());
+}
+
+int schema_command(const Registry& registry) {
+  print(json_schema(registry));
+  return exit_done;
+}
+
+int reference_command(const Registry& registry, const std::string& folder) {
+  write_reference(registry, folder);
+  return exit_done;
+}
+
+}  // namespace kerf

@@ -1,0 +1,123 @@
+// From a file name to a checked input on every rank.
+#include "app/load_input.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "core/diagnostics.hpp"
+#include "input/read_model.hpp"
+#include "kerf/measure.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+std::string read_file(const std::string& path, std::string& failure) {
+  if (std::filesystem::is_directory(path)) {
+    failure = fmt::format("{}: error: this is a folder; name the input file in it", path);
+    return {};
+  }
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    failure = fmt::format("{}: error: the input file cannot be read: {}", path, std::strerror(errno));
+    return {};
+  }
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+double memory_of_machine() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+double count_elements(const ModelInput& input) {
+  double n = 0.0;  // a real number: it may be beyond 64 bits
+  for (const auto& part : input.parts) n += static_cast<double>(part->mesh->n_elements());
+  return n;
+}
+
+void check_enough_elements(const ModelInput& input, const std::string& name, int ranks) {
+  const double n = count_elements(input);
+  if (n < ranks)
+    throw InputError({fmt::format("{}: error: {} ranks are more than the {} element{} of the model; use fewer ranks",
+                                  name, ranks, n, n == 1.0 ? "" : "s")});
+}
+
+/// Throws where there are more elements than can be held: a cell size without its unit would otherwise fill the memory
+/// of the machine. Collective.
+void check_memory(MPI_Comm comm, const ModelInput& input, const std::string& name) {
+  // An element with its nodes takes about 600 bytes at least, and local numbers have 31 bits.
+  constexpr double bytes_per_element = 600.0, most_per_rank = 2.0e8;
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  const double n = count_elements(input), share = n / size_of(comm);
+  const double needed = share * size_of(machine) * bytes_per_element;
+  MPI_Comm_free(&machine);
+  const bool too_large = greatest(comm, needed > memory_of_machine() ? 1.0 : 0.0) > 0.0;
+  if (share <= most_per_rank && !too_large) return;
+  const auto larger = [](const auto& a, const auto& b) { return a->mesh->n_elements() < b->mesh->n_elements(); };
+  const auto& largest = *std::max_element(input.parts.begin(), input.parts.end(), larger);
+  throw InputError({fmt::format(
+      "{}: error: the model has {:.3g} elements, most of them in part {}; they need about "
+      "{:.3g} GB in all, which {} rank{} on this machine cannot hold; use larger cells (is a "
+      "unit missing?) or more machines",
+      name, n, largest->name, n * bytes_per_element * 1e-9, size_of(comm), size_of(comm) == 1 ? "" : "s")});
+}
+
+std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& options, const Registry& registry,
+                                  bool print_warnings) {
+  Diagnostics diagnostics;
+  OriginMap origins;
+  auto input = read_model_input(options.input, bytes, options.overrides, registry, diagnostics, origins);
+  validate(*input, origins, diagnostics);
+  if (print_warnings)
+    for (const std::string& line : diagnostics.warnings()) fmt::print(stderr, "{}\n", line);
+  diagnostics.throw_if_errors();
+  if (input->boundaries.size() > 64 || input->sets.size() > 64 || input->parts.size() > 64)
+    throw InputError({fmt::format("{}: error: there are more than 64 parts, sets or boundary conditions; merge some",
+                                  options.input)});
+  return input;
+}
+
+}  // namespace
+
+void check_before_launch(const RunOptions& options, const Registry& registry) {
+  std::string failure;
+  const std::string bytes = read_file(options.input, failure);
+  if (!failure.empty()) throw InputError({failure});
+  check_enough_elements(*parse(bytes, options, registry, false), options.input, options.ranks);
+  // A rank takes about 20 MB before it holds anything. Under a batch system they may go to several machines.
+  constexpr double bytes_per_rank = 2.0e7;
+  for (const char* name : {"SLURM_JOB_ID", "PBS_JOBID", "LSB_JOBID", "OMPI_MCA_orte_default_hostfile"})
+    if (std::getenv(name)) return;
+  if (options.ranks * bytes_per_rank > memory_of_machine())
+    throw InputError(
+        {fmt::format("--ranks {}: error: so many ranks take about {:.0f} GB by themselves, and this machine has "
+                     "{:.0f} GB; use fewer ranks",
+                     options.ranks, options.ranks * bytes_per_rank * 1e-9, memory_of_machine() * 1e-9)});
+}
+
+std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
+  std::string failure, bytes;
+  if (rank_of(comm) == 0) bytes = read_file(options.input, failure);
+  failure = broadcast(comm, failure);
+  if (!failure.empty()) throw InputError({failure});
+  bytes = broadcast(comm, bytes);
+  auto input = parse(bytes, options, registry, rank_of(comm) == 0);
+  check_enough_elements(*input, options.input, size_of(comm));
+  check_memory(comm, *input, options.input);
+  return input;
+}
+
+}  // namespace kerf

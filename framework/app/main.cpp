@@ -1,0 +1,157 @@
+// The command line: what can be typed, and which command it calls.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <exception>
+
+#include "app/commands.hpp"
+#include "app/load_input.hpp"
+#include "core/diagnostics.hpp"
+#include "plugin/loader.hpp"
+#include "plugin/registry.hpp"
+
+namespace kerf {
+namespace {
+
+struct Arguments {
+  RunOptions run;
+  std::string kind, folder;
+  std::vector<std::string> names;
+  bool markdown = false;
+};
+
+// One value per option: the default, as many as follow, would swallow the input file.
+void add_repeatable(CLI::App& command, const std::string& name, std::vector<std::string>& values,
+                    const std::string& placeholder, const std::string& doc) {
+  command.add_option(name, values, doc)->allow_extra_args(false)->type_name(placeholder);
+}
+
+CLI::App* add_command(CLI::App& app, Arguments& a, const std::string& name, const std::string& doc) {
+  CLI::App* command = app.add_subcommand(name, doc);
+  add_repeatable(*command, "--plugin", a.run.plugins, "LIB", "load a plugin from a shared library; may be repeated");
+  return command;
+}
+
+void add_input(CLI::App& command, Arguments& a) {
+  command.add_option("INPUT", a.run.input, "input file")->required()->type_name("");
+  add_repeatable(command, "--set", a.run.overrides, "KEY.PATH=VALUE", "replace a value of the input; may be repeated");
+  command.add_option("--output", a.run.output, "folder for the results")->type_name("DIR");
+  command.add_option("--ranks", a.run.ranks, "number of MPI ranks")
+      ->type_name("N")
+      ->check(
+          [](const std::string& text) {
+            int n = 0;
+            const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), n);
+            const bool good = status == std::errc() && end == text.data() + text.size() && n > 0;
+            return good ? std::string() : "\"" + text + "\" is no number of ranks; expected a whole number from 1 on";
+          },
+          "");
+}
+
+void add_commands(CLI::App& app, Arguments& a) {
+  CLI::App* run = add_command(app, a, "run", "run an input file");
+  add_input(*run, a);
+  run->add_flag("--resume", a.run.resume, "continue from the last restart file in the output folder");
+  add_input(*add_command(app, a, "check", "check an input file without running it"), a);
+  add_command(app, a, "list", "list the types that an input can name")
+      ->add_option("KIND", a.kind, "only this kind, for example material")
+      ->type_name("");
+  CLI::App* describe = add_command(app, a, "describe", "show what a type takes and keeps");
+  describe->add_option("NAME", a.names, "NAME, or KIND NAME, or input for the whole input file")
+      ->required()
+      ->expected(1, 2)
+      ->type_name("");
+  describe->add_flag("--markdown", a.markdown, "write Markdown");
+  add_command(app, a, "schema", "print the JSON schema of the input");
+  add_command(app, a, "reference", "write the reference manual as Markdown")
+      ->add_option("--output", a.folder, "folder to write to")
+      ->required()
+      ->type_name("DIR");
+}
+
+int dispatch(const std::string& command, const Arguments& a, int argc, char** argv) {
+  Registry registry;
+  register_builtin_plugins(registry);
+  Diagnostics diagnostics;
+  for (const std::string& path : a.run.plugins) load_plugin(path, registry, diagnostics);
+  diagnostics.throw_if_errors();
+  if (command == "run" || command == "check") {
+    if (needs_mpirun(a.run.ranks)) check_before_launch(a.run, registry);
+    relaunch_under_mpirun(a.run.ranks, argc, argv);
+  }
+  if (command == "run") return run_command(a.run, registry);
+  if (command == "check") return check_command(a.run, registry);
+  if (command == "list") return list_command(registry, a.kind);
+  if (command == "describe") return describe_command(registry, a.names, a.markdown);
+  if (command == "schema") return schema_command(registry);
+  return reference_command(registry, a.folder);
+}
+
+// CLI11 would report a mistyped command as a superfluous argument.
+bool is_unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return false;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return false;
+  const std::string near = nearest_name(argv[1], names);
+  fmt::print(stderr, "error: there is no command \"{}\"; {}\n", argv[1],
+             near.empty() ? "`kerf --help` shows all commands" : "did you mean `kerf " + near + "`?");
+  return true;
+}
+
+// The message of the parser, or a better one for what it did not expect.
+std::string complaint(const CLI::App& app, const CLI::App& command, const CLI::ParseError& e) {
+  const std::vector<std::string> words = app.remaining(true);
+  if (!dynamic_cast<const CLI::ExtrasError*>(&e) || words.empty()) return e.what();
+  std::vector<std::string> options;
+  for (const CLI::Option* o : command.get_options()) options.push_back(o->get_name());
+  for (const std::string& word : words) {
+    if (word.size() < 2 || word[0] != '-') continue;
+    const std::string near = nearest_name(word.substr(0, word.find('=')), options);
+    return fmt::format("`kerf {}` has no option {}{}", command.get_name(), word,
+                       near.empty() ? "" : "; did you mean " + near + "?");
+  }
+  return fmt::format("\"{}\" is one argument too many", words.front());
+}
+
+int run_program(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Kerf: explicit dynamics for impact, penetration and erosion", "kerf");
+  app.set_version_flag("--version", std::string("kerf ") + KERF_VERSION);
+  app.require_subcommand(1);
+  add_commands(app, arguments);
+  if (argc < 2) {
+    fmt::print("{}", app.help());
+    return exit_other;
+  }
+  if (is_unknown_command(app, argc, argv)) return exit_other;
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e) == 0 ? exit_done : exit_other;  // --help and --version
+    const std::vector<CLI::App*> commands = app.get_subcommands();
+    const CLI::App& command = commands.empty() ? app : *commands.front();
+    fmt::print(stderr, "error: {}; `kerf {}--help` shows what can be typed\n", complaint(app, command, e),
+               commands.empty() ? "" : command.get_name() + " ");
+    return exit_other;
+  }
+  return dispatch(app.get_subcommands().front()->get_name(), arguments, argc, argv);
+}
+
+}  // namespace
+}  // namespace kerf
+
+int main(int argc, char** argv) {
+  try {
+    return kerf::run_program(argc, argv);
+  } catch (const kerf::InputError& e) {
+    kerf::print_errors(e.lines());
+    return kerf::exit_input_error;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "error: {}\n", e.what());  // on whichever rank it happens
+    return kerf::exit_other;
+  }
+}

@@ -1,0 +1,39 @@
+// Turns numbers with units, as a user writes them, into SI values, and SI values into text.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace kerf {
+
+/// A converted value, or the sentence that says why there is none.
+struct Quantity {
+  double value = 0.0;
+  std::string error;
+
+  bool ok() const { return error.empty(); }
+};
+
+/// Converts "2.586 GPa", "45 deg" or a bare number (which is SI) to `si_unit`. "-" stands for a number without
+/// dimension, which takes no unit. Throws std::runtime_error where the unit database cannot be read.
+Quantity to_si(std::string_view text, const std::string& si_unit);
+
+/// Reads a whole text as a finite decimal number; no octal, no unit, nothing trailing.
+bool parse_number(std::string_view text, double& value);
+
+/// The sentence that refuses a whole number with leading zeros ("010" is 8 to many readers of YAML); else empty.
+std::string octal_complaint(std::string_view number);
+
+/// Length of the number that `text` begins with; 0 where it does not begin with one.
+std::size_t number_length(std::string_view text);
+
+/// What a unit measures, with its article: "a velocity in m/s", "a number without unit".
+std::string quantity_name(const std::string& si_unit);
+
+/// The shortest text that reads back as `value`, with its unit: "5400 kg/m3".
+std::string quantity_text(double value, const std::string& si_unit);
+
+/// `text` without spaces at either end.
+std::string_view trimmed(std::string_view text);
+
+}  // namespace kerf

@@ -1,0 +1,25 @@
+// Writes and reads the whole state of a run, exact to the bit, for any number of ranks.
+#pragma once
+
+#include <string>
+
+#include "dynamics/simulation.hpp"
+
+namespace kerf {
+
+/// Where the output files of a run stand, for going on with them.
+struct OutputProgress {
+  std::int64_t n_frames = 0;
+  double next_results = 0.0, next_history = 0.0, next_restart = 0.0;  // [s]
+  std::vector<std::int64_t> eroded_by;  // elements eroded so far, per part and criterion
+};
+
+/// Collective.
+void write_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation,
+                      const OutputProgress& output);
+
+/// Replaces the state of a simulation of time zero by that of the file. Throws InputError where the file does not
+/// belong to this input. Collective.
+OutputProgress read_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation);
+
+}  // namespace kerf

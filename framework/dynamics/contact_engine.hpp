@@ -1,0 +1,94 @@
+// Runs one contact definition in parallel: who may touch whom, on which rank, and carrying the forces back.
+//
+// Contact has a decomposition of its own (Brown, Attaway, Plimpton & Hendrickson, CMAME 184 (2000) 375-390): space
+// is cut into boxes of equal numbers of slave nodes; each rank gets the slaves in its box and all facets that
+// reach into it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/timers.hpp"
+#include "dynamics/candidate_search.hpp"
+#include "dynamics/integrator.hpp"
+#include "dynamics/names.hpp"
+#include "kerf/contact.hpp"
+#include "kerf/partitioner.hpp"
+#include "state/model.hpp"
+
+namespace kerf {
+
+class ContactEngine {
+ public:
+  /// `space` is needed on more than one rank.
+  ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space);
+
+  /// The next forces need a fresh search whatever has moved (surface changed, nodes renumbered).
+  void invalidate() { valid_ = false; }
+  /// After elements were retired and before stores are compacted: takes their facets out and the opened ones in, or
+  /// leaves it to the next search. `nodes` are the local nodes of the retired elements. Collective.
+  void surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
+                       std::vector<ExteriorFacet> opened, const std::vector<std::int32_t>& nodes);
+  /// Adds this definition's forces to the owners of the nodes, searching first if needed. Collective.
+  void add_forces(Model& model, const Step& step, Timers& timers);
+  /// Forces of the last call on nodes that this rank owns.
+  const ContactLoad& load() const { return load_; }
+  /// Sentence about a force that cannot be, or empty. Local.
+  const std::string& trouble() const { return trouble_; }
+  /// Sentences about bodies that overlap at the start. Collective; the same on all ranks.
+  std::vector<std::string> initial_penetrations(Model& model);
+
+ private:
+  struct Tracked {
+    std::int32_t node = 0;
+    double position[3] = {};
+    double time = 0.0;  // when it was there [s]
+    double own_allowance = 0.0, allowance = 0.0;
+    std::int32_t part = 0;
+  };
+  void search(Model& model, const Step& step);
+  bool moved_too_far(const Model& model, const Step& step) const;
+  void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
+  std::vector<char> mark_exterior(const Model& model, const std::vector<ExteriorFacet>& facets) const;
+  void track(const Model& model, int node, double time);
+  bool takes_free(const Model& model, int node) const;
+  void choose_references(const Model& model, const std::vector<char>& exterior);
+  void collect_slave(const Model& model, int node, double time, std::vector<ContactNodeRecord>& records);
+  /// Where a node counts as being at the time of the search, given a common motion since then.
+  Vec3 reference(int node, Vec3 motion) const;
+  std::vector<ContactFacetRecord> collect_facets(const Model& model, const std::vector<ExteriorFacet>& facets) const;
+  void distribute(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
+  double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
+  void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
+  void connect(const Model& model);
+  void pull(const Model& model);
+  void push(Model& model);
+  ContactView view(double dt) const;
+
+  const Contact& law_;
+  ContactRequest request_;
+  NodeGroup slaves_, masters_;
+  std::vector<NodeGroup> mirrored_;  // nodes of each boundary condition, in the order of the input
+  std::unique_ptr<SpatialDecomposition> space_;
+  bool space_built_ = false, valid_ = false;
+  std::int64_t last_search_ = 0;
+  Vec3 drift_velocity_;  // common motion that allowances are relative to [m/s]
+  std::vector<Vec3> part_velocities_;  // the same within each part [m/s]
+  double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;
+  std::vector<double> allowance_, own_allowance_;  // per local node [m]
+  std::vector<Vec3> reference_;  // per tracked local node: where it was [m] ...
+  std::vector<double> reference_time_;  // ... and when; negative where it is not tracked [s]
+  std::vector<Tracked> tracked_;
+  std::unique_ptr<CandidateSearch> search_;
+  Candidates found_;
+  std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank
+  std::vector<std::int32_t> local_;  // one rank: local node of each contact node
+  AlignedVector<double> position_, velocity_;
+  std::vector<double> mass_;
+  std::vector<std::int64_t> force_, owned_force_;
+  ContactLoad load_;
+  std::string trouble_;
+};
+
+}  // namespace kerf

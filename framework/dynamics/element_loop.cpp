@@ -1,0 +1,152 @@
+// The bridge between the stores of the model and the view that an element plugin gets.
+#include "dynamics/element_loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+
+namespace {
+
+ElementWork view_of(Model& model, PartModel& part) {
+  PartStore& store = *part.store;
+  ElementWork w;
+  w.position = model.nodes.position.data();
+  w.velocity = model.nodes.velocity.data();
+  w.force = model.nodes.force.data();
+  w.scale = model.quanta.force;
+  w.material = part.material->strength.get();
+  w.eos = part.material->eos.get();
+  w.reference_density = part.material->density;
+  w.n_blocks = store.n_blocks();
+  w.nodes = store.nodes();
+  w.mass = store.field(PartStore::mass).data.data();
+  w.volume = store.field(PartStore::volume).data.data();
+  w.deviator = store.field(PartStore::deviator).data.data();
+  w.pressure = store.field(PartStore::pressure).data.data();
+  w.internal_energy = store.field(PartStore::internal_energy).data.data();
+  w.viscous_energy = store.field(PartStore::viscous_energy).data.data();
+  w.element_state = store.field(PartStore::element_state).data.data();
+  w.material_state = store.field(PartStore::material_state).data.data();
+  w.eos_state = store.field(PartStore::eos_state).data.data();
+  w.n_element_state = store.field(PartStore::element_state).n_components;
+  w.n_material_state = store.field(PartStore::material_state).n_components;
+  w.n_eos_state = store.field(PartStore::eos_state).n_components;
+  w.energy_per_quantum = model.quanta.per_energy;
+  std::fill(w.least_step, w.least_step + lane_width, std::numeric_limits<double>::max());
+  std::fill(w.least_block, w.least_block + lane_width, 0);
+  return w;
+}
+
+/// Lowest id of the live elements that `is_bad(slot)`, or -1. All of them are asked, not just those of the block that
+/// reported first: which elements share a block, or a rank, must not decide who is named.
+template <class Test>
+std::int64_t lowest_id(const PartStore& store, const Test& is_bad) {
+  std::int64_t id = -1;
+  for (int slot = 0; slot < store.n_slots(); ++slot)
+    if (store.live(slot) && (id < 0 || store.id(slot) < id) && is_bad(slot)) id = store.id(slot);
+  return id;
+}
+
+std::int64_t lowest_inverted(const Model& model, const PartStore& store) {
+  return lowest_id(store, [&](int slot) {
+    Vec3 x[8];
+    for (int k = 0; k < 8; ++k) x[k] = model.nodes.x(store.node(slot, k));
+    // Diagonal form of the volume: positive exactly where the mean-gradient volume is for plane faces.
+    const double v = dot(x[6] - x[0], cross(x[1] - x[0], x[2] - x[5]) + cross(x[4] - x[0], x[5] - x[7]) +
+                                          cross(x[3] - x[0], x[7] - x[2]));
+    return !(v > 0.0);
+  });
+}
+
+/// Size of an element's stress; infinite where it is no number.
+double stress_size(const PartStore& store, int slot) {
+  double sum = std::fabs(store.field(PartStore::pressure).at(slot, 0));
+  for (int c = 0; c < 6; ++c) sum += std::fabs(store.field(PartStore::deviator).at(slot, c));
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+std::int64_t most_stressed(const PartStore& store) {
+  double most = 0.0;
+  for (int slot = 0; slot < store.n_slots(); ++slot)
+    if (store.live(slot)) most = std::max(most, stress_size(store, slot));
+  return lowest_id(store, [&](int slot) { return stress_size(store, slot) == most; });
+}
+
+void collect(const Model& model, const PartModel& part, const ElementWork& w, ElementReport& report) {
+  const PartStore& store = *part.store;
+  for (int l = 0; l < lane_width; ++l) {
+    const auto slot = static_cast<int>(w.least_block[l]) * lane_width + l;
+    if (slot >= store.n_slots() || !store.live(slot)) continue;
+    const std::int64_t id = store.id(slot);
+    if (w.least_step[l] < report.least_step || (w.least_step[l] == report.least_step && id < report.least_id)) {
+      report.least_step = w.least_step[l];
+      report.least_id = id;
+    }
+  }
+  if (!report.trouble.empty()) return;
+  if (w.inverted_block >= 0) {
+    report.trouble_id = lowest_inverted(model, store);
+    // Warped faces: the volume may be negative in one form and not in the other.
+    if (report.trouble_id < 0)
+      report.trouble_id = lowest_id(store, [&](int slot) { return slot / lane_width == w.inverted_block; });
+    report.trouble = fmt::format(
+        "{} is inverted (its volume is not positive); give its material the erosion criterion "
+        "inversion, refine the mesh, or use more hourglass control;",
+        element_name(model, store.index(), report.trouble_id));
+  } else if (w.bad_block >= 0) {
+    report.trouble_id = most_stressed(store);
+    report.trouble = fmt::format("the forces of {} are not finite or beyond all bounds",
+                                 element_name(model, store.index(), report.trouble_id));
+  }
+}
+
+}  // namespace
+
+std::string element_name(const Model& model, int part, std::int64_t id) {
+  return fmt::format("element {} (part {}, rank {})", id, model.parts[part].input->name, model.rank());
+}
+
+ElementReport initialise_elements(Model& model) {
+  ElementReport report;
+  report.least_step = std::numeric_limits<double>::max();
+  for (PartModel& part : model.parts) {
+    ElementWork w = view_of(model, part);
+    part.input->element->initialise(w);
+    collect(model, part, w, report);
+  }
+  return report;
+}
+
+ElementReport add_internal_forces(Model& model, const Step& step, Erosion& erosion, Ledger& ledger) {
+  ElementReport report;
+  report.least_step = std::numeric_limits<double>::max();
+  for (PartModel& part : model.parts) {
+    ElementWork w = view_of(model, part);
+    w.dt = step.dt;
+    w.judge = erosion.judge(model, part.store->index(), step.cycle);
+    w.failed = erosion.flags(part.store->index());
+    part.input->element->add_internal_forces(w);
+    ledger.accounts.hourglass += w.hourglass_energy;
+    collect(model, part, w, report);
+  }
+  report.failed = erosion.any_failed();
+  return report;
+}
+
+void sum_over_copies(const Model& model, std::int64_t* values, int stride) {
+  if (!model.ghost_plan) return;
+  const int n = std::min(stride, 3);
+  std::vector<std::int64_t> copies(model.ghosts.size() * static_cast<std::size_t>(n));
+  for (std::size_t g = 0; g < model.ghosts.size(); ++g)
+    for (int c = 0; c < n; ++c) copies[g * n + c] = values[static_cast<std::size_t>(model.ghosts[g]) * stride + c];
+  model.ghost_plan->push_add(copies.data(), n, values, stride, n);
+  model.ghost_plan->pull(values, stride, copies.data(), n, n);
+  for (std::size_t g = 0; g < model.ghosts.size(); ++g)
+    for (int c = 0; c < n; ++c) values[static_cast<std::size_t>(model.ghosts[g]) * stride + c] = copies[g * n + c];
+}
+
+}  // namespace kerf

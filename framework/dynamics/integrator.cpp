@@ -1,0 +1,268 @@
+// The kick and drift of all nodes, and the books of what constrains and loads them.
+#include "dynamics/integrator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/fixed_sum.hpp"
+#include "dynamics/names.hpp"
+#include "dynamics/setup.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+typedef double Quad __attribute__((vector_size(32)));
+typedef std::int64_t QuadInt __attribute__((vector_size(32)));
+
+/// v += F/m dt; x += v dt; F = 0, for all nodes. `look(i, old velocity, new velocity, old, new position)` sees each.
+template <class Look>
+void advance_nodes(NodeStore& nodes, double quantum, double kick_dt, double dt, const Look& look) {
+  const int n = nodes.n();
+  auto* x = reinterpret_cast<Quad*>(nodes.position.data());
+  auto* v = reinterpret_cast<Quad*>(nodes.velocity.data());
+  auto* f = reinterpret_cast<QuadInt*>(nodes.force.data());
+  const double* inverse_mass = nodes.inverse_mass.data();
+  const double factor = quantum * kick_dt;
+  for (int i = 0; i < n; ++i) {
+    const Quad before = v[i], from = x[i];
+    const Quad after = before + __builtin_convertvector(f[i], Quad) * (inverse_mass[i] * factor);
+    const Quad to = from + after * dt;
+    v[i] = after;
+    x[i] = to;
+    f[i] = QuadInt{};
+    look(i, before, after, from, to);
+  }
+  for (int i = n; i < n + NodeStore::n_dummies; ++i) f[i] = QuadInt{};
+}
+
+Vec3 vector_of(Quad q) { return {q[0], q[1], q[2]}; }
+
+Vec3 kicked(const NodeStore& nodes, int i, double quantum, double kick_dt) {
+  const double a = nodes.inverse_mass[i] * (quantum * kick_dt);
+  Vec3 v = nodes.v(i);
+  for (int d = 0; d < 3; ++d) v[d] += static_cast<double>(nodes.force[4 * i + d]) * a;
+  return v;
+}
+
+/// Work that contact takes from the nodes: minus force times mean velocity.
+std::int64_t contact_work(const Model& model, const Ledger& ledger, const ContactLoad& load, std::size_t k,
+                          double kick_dt, Vec3 mean) {
+  const double q = model.quanta.force.quantum * kick_dt;
+  const Vec3 impulse{static_cast<double>(load.force[4 * k]) * q, static_cast<double>(load.force[4 * k + 1]) * q,
+                     static_cast<double>(load.force[4 * k + 2]) * q};
+  return -ledger.energy_quanta(model, dot(impulse, mean));
+}
+
+}  // namespace
+
+void Integrator::resolve(const Model& model) {
+  constrained_.clear();
+  const auto& boundaries = model.input->boundaries;
+  std::vector<NodeGroup> groups;
+  for (const auto& b : boundaries) groups.emplace_back(model, b->nodes());
+  near_.assign(boundaries.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
+  for (int i = 0; i < model.nodes.n(); ++i) {
+    std::uint64_t always = 0;
+    for (std::size_t b = 0; b < boundaries.size(); ++b) {
+      if (!groups[b].holds(model.nodes, i)) continue;
+      // By the undeformed position, which does not depend on when the question is asked.
+      const Boundary::Ask ask = boundaries[b]->ask(reference_position(model, model.nodes.id[i]));
+      if (ask == Boundary::Ask::always) always |= std::uint64_t{1} << b;
+      if (ask == Boundary::Ask::near_region) near_[i] |= std::uint64_t{1} << b;
+    }
+    if (always != 0) constrained_.push_back({i, always});
+  }
+}
+
+std::vector<HalfSpace> Integrator::regions(const Model& model, const Step& step) {
+  std::vector<HalfSpace> all;
+  for (const auto& b : model.input->boundaries) all.push_back(b->region(step.end()));
+  return all;
+}
+
+void Integrator::initialise(Model& model) const {
+  const auto& boundaries = model.input->boundaries;
+  for (const auto& b : boundaries) {
+    const NodeGroup group(model, b->nodes());
+    for (int i = 0; i < model.nodes.n(); ++i)
+      if (group.holds(model.nodes, i)) {
+        const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)};
+        model.nodes.set_v(i, b->initial(node, model.nodes.v(i)));
+      }
+  }
+}
+
+std::vector<std::string> Integrator::complaints(const Model& model) const {
+  std::vector<std::string> lines;
+  for (const auto& b : model.input->boundaries) {
+    const NodeGroup group(model, b->nodes());
+    // Of many nodes, the one with the lowest id speaks.
+    std::int64_t n = 0, lowest = std::numeric_limits<std::int64_t>::max();
+    std::string text;
+    for (int i = 0; i < model.nodes.n(); ++i) {
+      if (!model.nodes.owned[i] || !group.holds(model.nodes, i)) continue;
+      std::string line = b->complaint({model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)});
+      if (line.empty()) continue;
+      ++n;
+      if (model.nodes.id[i] > lowest) continue;
+      lowest = model.nodes.id[i];
+      text = std::move(line);
+    }
+    n = sum_of(model.comm, n);
+    if (lowest != -greatest(model.comm, -lowest)) text.clear();
+    text = first_text(model.comm, text);
+    if (n > 0)
+      lines.push_back(fmt::format("{}: error: {}{}", b->origin,
+                                  n > 1 ? fmt::format("{} nodes cannot start where they are: ", n) : "", text));
+  }
+  return lines;
+}
+
+/// The velocity that the conditions leave of a free flight from the node's present position. Those with a region are
+/// asked only if the flight, as changed by those before them, ends there.
+Vec3 Integrator::constrain(const Model& model, int i, std::uint64_t always, const Step& step,
+                           const std::vector<HalfSpace>& planes, Vec3 old_velocity, Vec3 velocity) const {
+  const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), old_velocity};
+  const BoundaryStep when{step.start + 0.5 * step.dt, step.dt};
+  const auto& boundaries = model.input->boundaries;
+  for (std::size_t b = 0; b < boundaries.size(); ++b) {
+    const bool near =
+        (near_[i] >> b & 1u) != 0 && dot(planes[b].normal, node.position + velocity * step.dt) < planes[b].offset;
+    if (near || (always >> b & 1u) != 0) velocity = boundaries[b]->constrain(node, when, velocity);
+  }
+  return velocity;
+}
+
+void Integrator::count(const Model& model, int node, Vec3 before, Vec3 free_flight, Vec3 after, Ledger& ledger) const {
+  if (!model.nodes.owned[node]) return;
+  const Vec3 impulse = (after - free_flight) * model.nodes.mass[node];
+  for (int d = 0; d < 3; ++d) ledger.accounts.impulse[d] += ledger.momentum_quanta(impulse[d]);
+  ledger.accounts.external += ledger.energy_quanta(model, 0.5 * dot(impulse, after + before));
+}
+
+/// The pass over all nodes where some are asked only if their free flight ends where a condition acts.
+void Integrator::advance_guarded(Model& model, const Step& step, const std::vector<HalfSpace>& planes, Ledger& ledger) {
+  NodeStore& nodes = model.nodes;
+  struct Hit {
+    int node;
+    Vec3 before, free_flight, from;
+  };
+  std::vector<Hit> hits;
+  advance_nodes(nodes, model.quanta.force.quantum, step.kick_dt(), step.dt,
+                [&](int i, Quad before, Quad after, Quad from, Quad to) {
+                  if (near_[i] == 0) return;
+                  for (std::size_t b = 0; b < planes.size(); ++b) {
+                    const Vec3 n = planes[b].normal;
+                    if ((near_[i] >> b & 1u) == 0 || !(n.x * to[0] + n.y * to[1] + n.z * to[2] < planes[b].offset))
+                      continue;
+                    hits.push_back({i, vector_of(before), vector_of(after), vector_of(from)});
+                    return;
+                  }
+                });
+  std::size_t next = 0;  // nodes of constrained_ are computed before the pass, with all their conditions
+  for (const Hit& h : hits) {
+    while (next < constrained_.size() && constrained_[next].node < h.node) ++next;
+    if (next < constrained_.size() && constrained_[next].node == h.node) continue;
+    nodes.set_x(h.node, h.from);
+    const Vec3 v = constrain(model, h.node, 0, step, planes, h.before, h.free_flight);
+    count(model, h.node, h.before, h.free_flight, v, ledger);
+    nodes.set_v(h.node, v);
+    nodes.set_x(h.node, h.from + v * step.dt);
+  }
+}
+
+void Integrator::kick_and_drift(Model& model, const Step& step, const std::vector<ContactLoad>& loads, Ledger& ledger) {
+  NodeStore& nodes = model.nodes;
+  const double quantum = model.quanta.force.quantum;
+  // What must be known of the time before the kick: constrained velocities are found while positions still stand
+  // at the start of the step.
+  saved_.clear();
+  const std::vector<HalfSpace> planes = regions(model, step);
+  for (const Constrained& c : constrained_) {
+    const Vec3 before = nodes.v(c.node), free_flight = kicked(nodes, c.node, quantum, step.kick_dt());
+    const Vec3 v = constrain(model, c.node, c.always, step, planes, before, free_flight);
+    const Vec3 x = nodes.x(c.node);
+    saved_.insert(saved_.end(), {v.x, v.y, v.z, x.x, x.y, x.z});
+    count(model, c.node, before, free_flight, v, ledger);
+  }
+  old_load_velocity_.clear();
+  for (const ContactLoad& load : loads)
+    for (const std::int32_t n : load.nodes)
+      old_load_velocity_.insert(old_load_velocity_.end(),
+                                {nodes.velocity[4 * n], nodes.velocity[4 * n + 1], nodes.velocity[4 * n + 2]});
+
+  if (near_.empty())
+    advance_nodes(nodes, quantum, step.kick_dt(), step.dt, [](int, Quad, Quad, Quad, Quad) {});
+  else
+    advance_guarded(model, step, planes, ledger);
+
+  for (std::size_t k = 0; k < constrained_.size(); ++k) {
+    const double* s = &saved_[6 * k];
+    const Vec3 v{s[0], s[1], s[2]};
+    nodes.set_v(constrained_[k].node, v);
+    nodes.set_x(constrained_[k].node, Vec3{s[3], s[4], s[5]} + v * step.dt);
+  }
+  std::size_t at = 0;
+  for (const ContactLoad& load : loads)
+    for (std::size_t k = 0; k < load.nodes.size(); ++k, at += 3) {
+      const Vec3 before{old_load_velocity_[at], old_load_velocity_[at + 1], old_load_velocity_[at + 2]};
+      ledger.accounts.contact +=
+          contact_work(model, ledger, load, k, step.kick_dt(), (before + nodes.v(load.nodes[k])) * 0.5);
+    }
+}
+
+Balance Integrator::sample(const Model& model, const Step& next, const std::vector<ContactLoad>& loads,
+                           const Ledger& ledger) const {
+  const NodeStore& nodes = model.nodes;
+  const double quantum = model.quanta.force.quantum, kick = next.kick_dt();
+  // The share of the coming kick that lies before the present time. Kinetic energy and work grow by its power at the
+  // velocity before it: what the rest of the kick will do (a wall that is hit, a motion that stops) stays out.
+  const double share = next.last_dt / (next.last_dt + next.dt);
+  std::vector<double> after(static_cast<std::size_t>(nodes.n()) * 3);
+  for (int i = 0; i < nodes.n(); ++i) {
+    const Vec3 v = kicked(nodes, i, quantum, kick);
+    for (int d = 0; d < 3; ++d) after[3 * i + d] = v[d];
+  }
+  std::int64_t external = 0, contact = 0;
+  const std::vector<HalfSpace> planes = regions(model, next);
+  const auto apply = [&](int i, std::uint64_t always) {
+    const Vec3 before = nodes.v(i), free_flight{after[3 * i], after[3 * i + 1], after[3 * i + 2]};
+    const Vec3 v = constrain(model, i, always, next, planes, before, free_flight);
+    for (int d = 0; d < 3; ++d) after[3 * i + d] = v[d];
+    if (nodes.owned[i]) external += ledger.energy_quanta(model, nodes.mass[i] * dot(v - free_flight, before));
+  };
+  std::size_t at = 0;
+  for (int i = 0; i < static_cast<int>(near_.size()); ++i) {
+    const bool listed = at < constrained_.size() && constrained_[at].node == i;
+    if (listed || near_[i] != 0) apply(i, listed ? constrained_[at].always : 0);
+    at += listed ? 1 : 0;
+  }
+  for (const ContactLoad& load : loads)
+    for (std::size_t k = 0; k < load.nodes.size(); ++k) {
+      contact += contact_work(model, ledger, load, k, kick, nodes.v(load.nodes[k]));
+    }
+  std::vector<double> kinetic, p[3];
+  for (int i = 0; i < nodes.n(); ++i) {
+    if (!nodes.owned[i]) continue;
+    const Vec3 v = nodes.v(i), w{after[3 * i], after[3 * i + 1], after[3 * i + 2]};
+    kinetic.push_back(nodes.mass[i] * (0.5 * dot(v, v) + share * dot(v, w - v)));
+    for (int d = 0; d < 3; ++d) p[d].push_back(nodes.mass[i] * v[d]);
+  }
+  std::int64_t sums[4] = {ledger.accounts.external, ledger.accounts.contact, external, contact};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_INT64_T, MPI_SUM, model.comm);
+  Balance b;
+  b.time = next.start;
+  b.kinetic = order_free_sum(model.comm, kinetic);
+  b.momentum = {order_free_sum(model.comm, p[0]), order_free_sum(model.comm, p[1]), order_free_sum(model.comm, p[2])};
+  b.external = (static_cast<double>(sums[0]) + share * static_cast<double>(sums[2])) * model.quanta.energy;
+  b.contact = (static_cast<double>(sums[1]) + share * static_cast<double>(sums[3])) * model.quanta.energy;
+  ledger.close(model, b);
+  return b;
+}
+
+}  // namespace kerf

@@ -1,0 +1,91 @@
+// Opening and closing of the books.
+#include "dynamics/ledger.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/fixed_sum.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+std::int64_t Ledger::energy_quanta(const Model& model, double joule) const {
+  const double q = joule * model.quanta.per_energy;
+  return std::fabs(q) < 0x1p62 ? std::llrint(q) : (q > 0.0 ? INT64_MAX / 2 : INT64_MIN / 2);
+}
+
+std::int64_t Ledger::momentum_quanta(double v) const { return std::llrint(v / momentum_quantum); }
+
+void Ledger::open(Model& model) {
+  std::vector<double> kinetic, px, py, pz, mass, stiff;
+  const NodeStore& nodes = model.nodes;
+  for (int i = 0; i < nodes.n(); ++i) {
+    if (!nodes.owned[i]) continue;
+    const Vec3 v = nodes.v(i);
+    mass.push_back(nodes.mass[i]);
+    kinetic.push_back(0.5 * nodes.mass[i] * dot(v, v));
+    px.push_back(nodes.mass[i] * v.x);
+    py.push_back(nodes.mass[i] * v.y);
+    pz.push_back(nodes.mass[i] * v.z);
+    const PartModel& part = model.parts[nodes.part[i]];
+    stiff.push_back(nodes.mass[i] * (part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus) / part.material->density);
+  }
+  initial_energy = order_free_sum(model.comm, kinetic);
+  initial_momentum = {order_free_sum(model.comm, px), order_free_sum(model.comm, py), order_free_sum(model.comm, pz)};
+  initial_mass = order_free_sum(model.comm, mass);
+  // A run that starts at rest is scaled by what its material could store: accounts hold up to 2048 times the scale,
+  // which is twice the energy of a strain of one, and resolve the energy of a strain of a billionth.
+  const double elastic = order_free_sum(model.comm, stiff);
+  const double scale = std::max(initial_energy, 1e-3 * elastic);
+  smallest_reference = initial_energy > 0.0 ? 1e-300 : 1e-6 * elastic;
+  model.quanta.energy = power_of_two_above(scale) * 0x1p-51;
+  model.quanta.per_energy = 1.0 / model.quanta.energy;
+  momentum_quantum = power_of_two_above(std::sqrt(2.0 * initial_mass * scale)) * 0x1p-51;
+  mass_quantum = power_of_two_above(initial_mass) * 0x1p-51;
+}
+
+void Ledger::close(const Model& model, Balance& b) const {
+  std::vector<double> internal, viscous, mass;
+  for (const PartModel& part : model.parts) {
+    const PartStore& store = *part.store;
+    for (int s = 0; s < store.n_slots(); ++s) {
+      if (!store.live(s)) continue;
+      const double q = store.field(PartStore::viscous_energy).at(s, 0);
+      viscous.push_back(q);
+      internal.push_back(store.field(PartStore::internal_energy).at(s, 0) - q);
+      mass.push_back(store.field(PartStore::mass).at(s, 0));
+    }
+  }
+  std::int64_t sums[13] = {accounts.hourglass,
+                           accounts.eroded_internal,
+                           accounts.eroded_viscous,
+                           accounts.dropped_kinetic,
+                           accounts.impulse[0],
+                           accounts.impulse[1],
+                           accounts.impulse[2],
+                           accounts.dropped_momentum[0],
+                           accounts.dropped_momentum[1],
+                           accounts.dropped_momentum[2],
+                           accounts.dropped_mass,
+                           accounts.eroded_elements,
+                           0};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 13, MPI_INT64_T, MPI_SUM, model.comm);
+  const double q = model.quanta.energy;
+  b.internal = order_free_sum(model.comm, internal);
+  b.bulk_viscosity = order_free_sum(model.comm, viscous) + static_cast<double>(sums[2]) * q;
+  b.hourglass = static_cast<double>(sums[0]) * q;
+  b.eroded = static_cast<double>(sums[1] + sums[3]) * q;
+  b.impulse =
+      Vec3{static_cast<double>(sums[4]), static_cast<double>(sums[5]), static_cast<double>(sums[6])} * momentum_quantum;
+  b.dropped_momentum =
+      Vec3{static_cast<double>(sums[7]), static_cast<double>(sums[8]), static_cast<double>(sums[9])} * momentum_quantum;
+  b.dropped_mass = static_cast<double>(sums[10]) * mass_quantum;
+  b.eroded_elements = sums[11];
+  b.live_mass = order_free_sum(model.comm, mass);
+  b.free_mass = initial_mass - b.live_mass - b.dropped_mass;
+  // With neither energy nor work to compare with, the elastic energy of a strain of a thousandth is the measure.
+  const double reference = std::max({initial_energy, std::fabs(b.external), smallest_reference});
+  b.error = (b.total() - initial_energy - b.external) / reference;
+}
+
+}  // namespace kerf

@@ -1,0 +1,76 @@
+// Largest distance of a part from an axis, over all of it or in one section: the Taylor bar's mushroom and waist.
+#include <cmath>
+
+#include "dynamics/measure_geometry.hpp"
+#include "kerf/plugin.hpp"
+
+namespace kerf {
+namespace {
+
+constexpr int hexahedron_edges[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                         {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+
+class LargestRadius final : public Measure {
+ public:
+  static void describe(Schema<LargestRadius>& s) {
+    s.text(&LargestRadius::part, "part", "part that is measured");
+    s.vector(&LargestRadius::axis, "axis", "-", any_value,
+             "direction of the axis, from the end at which heights are zero");
+    s.vector(&LargestRadius::point, "point", "m", any_value, "a point on the axis").by_default("[0, 0, 0]");
+    s.real(&LargestRadius::at_height, "at_height", "-", fraction,
+           "measure the section at this height above the lower end, as a fraction of the part's initial length; "
+           "all of the part where absent")
+        .optional();
+    s.rule("axis", "the axis must not have zero length", [](const LargestRadius& m) { return norm(m.axis) > 0.0; });
+  }
+
+  std::vector<std::string> references() const override { return {part}; }
+
+  MeasuredValues evaluate(const MeasureModel& model) const override {
+    const int number = measured_part(model, part, *this);
+    const Vec3 a = unit(axis);
+    const double infinity = std::numeric_limits<double>::infinity();
+    double low = infinity, reference_low = infinity, reference_high = -infinity;
+    for (const MeasureModel::Node& n : model.nodes) {
+      if (n.part != number) continue;
+      reference_low = min_of(reference_low, dot(n.reference, a));
+      reference_high = max_of(reference_high, dot(n.reference, a));
+      if (!n.free) low = min_of(low, dot(n.position, a));
+    }
+    const double height = low + at_height * (reference_high - reference_low);
+    double largest = -1.0;
+    for (const MeasureModel::Element& e : model.elements) {
+      if (e.part != number) continue;
+      for (const auto& edge : hexahedron_edges) {
+        const Vec3 p = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[0])])].position;
+        const Vec3 q = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[1])])].position;
+        largest = max_of(largest, at_height < 0.0 ? max_of(radius(p, a), radius(q, a)) : radius_at(p, q, a, height));
+      }
+    }
+    return {{"", largest >= 0.0 ? largest : not_measurable}};
+  }
+
+  std::string part;
+  Vec3 axis, point;
+  double at_height = -1.0;  // negative where absent
+
+ private:
+  double radius(Vec3 x, Vec3 a) const {
+    const Vec3 d = x - point;
+    return norm(d - dot(d, a) * a);
+  }
+  /// Radius where an edge crosses the section; -1 where it does not.
+  double radius_at(Vec3 p, Vec3 q, Vec3 a, double height) const {
+    const double below = height - dot(p, a), above = dot(q, a) - height;
+    if (below * above < 0.0) return -1.0;
+    const double length = below + above;
+    if (length == 0.0) return max_of(radius(p, a), radius(q, a));  // the edge lies in the section
+    return radius(p + (below / length) * (q - p), a);
+  }
+};
+
+}  // namespace
+}  // namespace kerf
+
+KERF_REGISTER(KERF_TYPE(kerf::LargestRadius, "measure", "largest_radius",
+                        "largest distance of a part's live elements from an axis [m]"))

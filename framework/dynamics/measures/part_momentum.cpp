@@ -1,0 +1,28 @@
+// Momentum of all nodes of a part, those without live elements included.
+#include "dynamics/measure_geometry.hpp"
+#include "kerf/plugin.hpp"
+
+namespace kerf {
+namespace {
+
+class PartMomentum final : public Measure {
+ public:
+  static void describe(Schema<PartMomentum>& s) { s.text(&PartMomentum::part, "part", "part that is measured"); }
+
+  std::vector<std::string> references() const override { return {part}; }
+
+  MeasuredValues evaluate(const MeasureModel& model) const override {
+    const int number = measured_part(model, part, *this);
+    Vec3 momentum;
+    for (const MeasureModel::Node& n : model.nodes)
+      if (n.part == number) momentum = momentum + n.mass * n.velocity;
+    return {{"x", momentum.x}, {"y", momentum.y}, {"z", momentum.z}};
+  }
+
+  std::string part;
+};
+
+}  // namespace
+}  // namespace kerf
+
+KERF_REGISTER(KERF_TYPE(kerf::PartMomentum, "measure", "part_momentum", "momentum of all nodes of a part [kg m/s]"))

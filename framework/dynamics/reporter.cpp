@@ -1,0 +1,203 @@
+// When output is due, and the files and lines that it goes to.
+#include "dynamics/reporter.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include "dynamics/result_fields.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+const std::vector<HistoryColumn> history_columns = {{"time", "s"},
+                                                    {"dt", "s"},
+                                                    {"kinetic", "J"},
+                                                    {"internal", "J"},
+                                                    {"hourglass", "J"},
+                                                    {"bulk_viscosity", "J"},
+                                                    {"contact", "J"},
+                                                    {"external", "J"},
+                                                    {"eroded", "J"},
+                                                    {"balance_error", "-"},
+                                                    {"momentum_x", "kg m/s"},
+                                                    {"momentum_y", "kg m/s"},
+                                                    {"momentum_z", "kg m/s"},
+                                                    {"mass", "kg"},
+                                                    {"eroded_count", "-"},
+                                                    {"imbalance", "-"}};
+
+// A run that is killed leaves neither a summary nor, if it started anew, a restart file: those of an earlier run would
+// be taken for its own.
+void remove_what_is_stale(const ReportSettings& settings) {
+  std::error_code none_there;
+  std::filesystem::remove(settings.folder + "/summary.json", none_there);
+  const std::string restart = settings.folder + "/restart/";
+  if (!settings.resume) std::filesystem::rename(restart + "restart.h5", restart + "earlier_run.h5", none_there);
+}
+
+double seconds_now() { return MPI_Wtime(); }
+
+}  // namespace
+
+Reporter::Reporter(Simulation& simulation, const ModelInput& input, const ReportSettings& settings)
+    : simulation_(simulation), input_(input), settings_(settings) {
+  const OutputInput& o = input.output;
+  results_interval_ = o.results_interval > 0.0 ? o.results_interval : input.time.end / 20.0;
+  history_interval_ = o.history_interval > 0.0 ? o.history_interval : input.time.end / 200.0;
+  restart_interval_ = o.restart_interval;
+  const Model& model = simulation.model();
+  if (root()) std::filesystem::create_directories(settings.folder);
+  MPI_Barrier(model.comm);
+  const std::string folder = settings.folder + "/";
+  eroded_by_.assign(8 * model.parts.size(), 0);
+  if (settings.resume) {
+    due_ = read_checkpoint(folder + "restart/restart.h5", settings.input_digest, simulation);
+    if (root()) remove_what_is_stale(settings);
+    if (root()) eroded_by_ = due_.eroded_by;
+    first_element_cycles_ = simulation.element_cycles();
+    const double time = simulation.clock().time();
+    results_ = std::make_unique<ResultsWriter>(
+        ResultsWriter::reopen(model.comm, folder + "results.vtkhdf", static_cast<int>(due_.n_frames)));
+    history_ = std::make_unique<HistoryWriter>(
+        HistoryWriter::resume(model.comm, folder + "history.csv", history_columns, time));
+    erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
+    last_ = simulation_.sample();
+    last_frame_cycle_ = -1;
+  } else {
+    if (root()) remove_what_is_stale(settings);
+    results_ = std::make_unique<ResultsWriter>(model.comm, folder + "results.vtkhdf", model.n_nodes, model.n_elements,
+                                               o.precision == "double");
+    history_ = std::make_unique<HistoryWriter>(model.comm, folder + "history.csv", history_columns);
+    erosion_log_ = std::make_unique<ErosionLog>(model.comm, folder + "erosion.csv");
+    write_topology(model, *results_);
+    write_frame();
+    write_history(false);
+    due_.next_results = results_interval_;
+    due_.next_history = history_interval_;
+    due_.next_restart = restart_interval_;
+  }
+  simulation.observe(*this);
+  setup_seconds_ = simulation.timers().seconds("setup");
+  start_seconds_ = last_progress_seconds_ = seconds_now();
+  if (root())
+    fmt::print("{} elements, {} nodes, {} rank{}; first stable step {:.4g} s\n", model.n_elements, model.n_nodes,
+               model.n_ranks(), model.n_ranks() == 1 ? "" : "s", simulation.first_stable_step());
+  std::fflush(stdout);
+}
+
+Reporter::~Reporter() = default;
+
+void Reporter::after_step(Simulation& simulation, const Step& step) {
+  const auto scope = simulation.timers().measure("output");
+  if (simulation.any_eroded()) {
+    count_eroded(simulation.eroded_now());
+    erosion_log_->append(simulation.model().comm, simulation.eroded_now());
+  }
+  const double tolerance = 1e-9 * input_.time.end;
+  if (step.end() >= due_.next_history - tolerance) {
+    while (due_.next_history <= step.end() + tolerance) due_.next_history += history_interval_;
+    write_history(true);
+  }
+  if (step.end() >= due_.next_results - tolerance) {
+    while (due_.next_results <= step.end() + tolerance) due_.next_results += results_interval_;
+    write_frame();
+  }
+  if (restart_interval_ > 0.0 && step.end() >= due_.next_restart - tolerance) {
+    while (due_.next_restart <= step.end() + tolerance) due_.next_restart += restart_interval_;
+    write_restart();
+  }
+  const std::int64_t every = input_.output.progress_interval;
+  const double share = step.end() / input_.time.end;
+  if (every > 0 ? step.cycle % every == 0 : share >= next_progress_) {
+    next_progress_ = std::floor(share * 20.0 + 1.0) / 20.0;
+    progress_line();
+  }
+}
+
+void Reporter::count_eroded(const std::vector<ErosionRecord>& records) {
+  const auto& parts = simulation_.model().parts;
+  for (const ErosionRecord& r : records)
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (parts[p].input->name != r.part) continue;
+      const auto& criteria = parts[p].material->erosion->criteria;
+      for (std::size_t c = 0; c < criteria.size(); ++c)
+        if (criteria[c]->type == r.criterion) {
+          ++eroded_by_[8 * p + c];
+          break;
+        }
+    }
+}
+
+void Reporter::write_frame() {
+  kerf::write_frame(simulation_.model(), input_.output, simulation_.clock().time(), *results_);
+  last_frame_cycle_ = simulation_.clock().cycle();
+}
+
+void Reporter::write_history(bool check) {
+  last_ = simulation_.sample();
+  last_history_cycle_ = simulation_.clock().cycle();
+  const Balance& b = last_;
+  const double row[] = {b.time,
+                        simulation_.clock().last_dt(),
+                        b.kinetic,
+                        b.internal,
+                        b.hourglass,
+                        b.bulk_viscosity,
+                        b.contact,
+                        b.external,
+                        b.eroded,
+                        b.error,
+                        b.momentum.x,
+                        b.momentum.y,
+                        b.momentum.z,
+                        b.live_mass + b.free_mass,
+                        static_cast<double>(b.eroded_elements),
+                        Balancer::imbalance(simulation_.model())};
+  history_->write(row);
+  if (check) simulation_.check(b);
+}
+
+void Reporter::write_restart() {
+  if (root()) std::filesystem::create_directories(settings_.folder + "/restart");
+  MPI_Barrier(simulation_.model().comm);
+  due_.n_frames = results_->n_frames();
+  due_.eroded_by = eroded_by_;
+  MPI_Allreduce(MPI_IN_PLACE, due_.eroded_by.data(), static_cast<int>(due_.eroded_by.size()), MPI_INT64_T, MPI_SUM,
+                simulation_.model().comm);
+  write_checkpoint(settings_.folder + "/restart/restart.h5", settings_.input_digest, simulation_, due_);
+}
+
+void Reporter::progress_line() {
+  const double imbalance = Balancer::imbalance(simulation_.model());
+  if (!root()) return;
+  const double elapsed = seconds_now() - start_seconds_;
+  const double share = simulation_.clock().time() / input_.time.end;
+  fmt::print(
+      "cycle {:7d}  t {:.4e} s  dt {:.3e} s (element {})  energy {:+.3f} %  eroded {:6d}  imbalance {:.3f}  "
+      "elapsed {:.1f} s  left {:.0f} s\n",
+      simulation_.clock().cycle(), simulation_.clock().time(), simulation_.clock().last_dt(),
+      simulation_.reduction().least_id, 100.0 * last_.error, last_.eroded_elements, imbalance, elapsed,
+      share > 0.0 ? elapsed * (1.0 - share) / share : 0.0);
+  std::fflush(stdout);
+}
+
+void Reporter::finish(const std::string& exit) {
+  {
+    const auto scope = simulation_.timers().measure("output");
+    if (last_history_cycle_ != simulation_.clock().cycle()) write_history(false);
+    if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
+    if (exit == "signal") write_restart();
+  }
+  const Summary summary = summarise(exit);
+  if (!root()) return;
+  write_summary(settings_.folder + "/summary.json", summary);
+  print_table(summary);
+}
+
+}  // namespace kerf

@@ -1,0 +1,281 @@
+// The time loop and the phases that it calls.
+#include "dynamics/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+
+#include "core/diagnostics.hpp"
+#include "core/fixed_sum.hpp"
+#include "core/physics_error.hpp"
+#include "dynamics/setup.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+enum Flag : std::int64_t { flag_trouble = 1, flag_failed = 2, flag_signal = 4 };
+
+volatile std::sig_atomic_t signal_seen = 0;
+extern "C" void note_signal(int number) { signal_seen = number; }
+
+/// Least step with the lower id among equals, or of the flags.
+void combine(void* in, void* inout, int* n, MPI_Datatype*) {
+  const auto* a = static_cast<const StepReduction*>(in);
+  auto* b = static_cast<StepReduction*>(inout);
+  for (int i = 0; i < *n; ++i) {
+    const std::int64_t flags = a[i].flags | b[i].flags;
+    if (a[i].least_step < b[i].least_step || (a[i].least_step == b[i].least_step && a[i].least_id >= 0 &&
+                                              (b[i].least_id < 0 || a[i].least_id < b[i].least_id)))
+      b[i] = a[i];
+    b[i].flags = flags;
+  }
+}
+
+StepReduction all_reduce(MPI_Comm comm, StepReduction mine) {
+  struct Operation {
+    ItemType<StepReduction> type;
+    MPI_Op op = MPI_OP_NULL;
+    Operation() { MPI_Op_create(&combine, 1, &op); }
+    ~Operation() { MPI_Op_free(&op); }
+  };
+  if (size_of(comm) == 1) return mine;
+  const Operation operation;
+  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, operation.type, operation.op, comm);
+  return mine;
+}
+
+}  // namespace
+
+Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& registry)
+    : input_(input), clock_(input.time), balancer_(input.balance) {
+  const auto scope = timers_.measure("setup");
+  create_parts(model_, comm, input);
+  generate_mesh(model_);
+  balancer_.distribute(model_);
+  for (const auto& law : input.contacts) {
+    std::unique_ptr<SpatialDecomposition> space;
+    if (model_.n_ranks() > 1) {
+      Made made = registry.make("partitioner", "zoltan_rcb");
+      space = dynamic_cast<Partitioner&>(*made.plugin).spatial();
+    }
+    contacts_.push_back(std::make_unique<ContactEngine>(model_, *law, std::move(space)));
+  }
+  erosion_ = std::make_unique<Erosion>(model_);
+  integrator_.initialise(model_);
+  ledger_.open(model_);
+  renumbered();
+
+  std::vector<std::string> errors = integrator_.complaints(model_);
+  for (auto& c : contacts_)
+    for (std::string& line : c->initial_penetrations(model_)) errors.push_back(std::move(line));
+  if (!errors.empty()) throw InputError(errors);
+
+  const ElementReport report = initialise_elements(model_);
+  sum_over_copies(model_, model_.nodes.force.data(), 4);
+  Step none;
+  reduce(none, report);
+  first_stable_ = reduction_.least_step;
+  for (PartModel& part : model_.parts) {
+    std::vector<double> mass;
+    for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
+    part.initial_mass = order_free_sum(comm, mass);
+  }
+}
+
+void Simulation::renumbered() {
+  integrator_.resolve(model_);
+  for (auto& c : contacts_) c->invalidate();
+}
+
+std::vector<ContactLoad> Simulation::loads() const {
+  std::vector<ContactLoad> all;
+  for (const auto& c : contacts_) all.push_back(c->load());
+  return all;
+}
+
+void Simulation::run() {
+  std::signal(SIGINT, &note_signal);
+  std::signal(SIGTERM, &note_signal);
+  std::signal(SIGUSR1, &note_signal);  // which mpirun passes on, while SIGTERM makes it end its ranks
+  while (clock_.running() && !signalled_) {
+    const Step step = clock_.advance(reduction_.least_step);
+    {
+      const auto scope = timers_.measure("nodes");
+      integrator_.kick_and_drift(model_, step, loads_, ledger_);
+      erosion_->drop_free_nodes(model_, ledger_);
+    }
+    rebalance(step);
+    for (StepObserver* o : observers_) o->before_forces(model_, step);
+    add_forces(step);
+    for (StepObserver* o : observers_) o->after_forces(model_, step);
+    erode(step);
+    for (StepObserver* o : observers_) o->after_step(*this, step);
+  }
+}
+
+/// Between the drift and the forces, when the old forces have done their work and nothing but state has to move.
+void Simulation::rebalance(const Step& step) {
+  const double left = (input_.time.end - step.end()) / step.dt;
+  if (!balancer_.due(model_, step.cycle, left)) return;
+  const auto scope = timers_.measure("rebalance");
+  balancer_.move(model_, step.cycle);
+  renumbered();
+}
+
+void Simulation::add_forces(const Step& step) {
+  ElementReport report;
+  {
+    const auto scope = timers_.measure("elements");
+    report = add_internal_forces(model_, step, *erosion_, ledger_);
+    element_cycles_ += model_.n_live_local();
+  }
+  for (auto& c : contacts_) {
+    c->add_forces(model_, step, timers_);
+    if (report.trouble.empty()) report.trouble = c->trouble();
+  }
+  loads_ = loads();
+  const auto scope = timers_.measure("halo");
+  sum_over_copies(model_, model_.nodes.force.data(), 4);
+  reduce(step, report);
+}
+
+void Simulation::reduce(const Step& step, const ElementReport& report) {
+  StepReduction mine;
+  mine.least_step = report.least_step;
+  mine.least_id = report.least_id;
+  if (!report.trouble.empty()) mine.flags |= flag_trouble;
+  if (report.failed) mine.flags |= flag_failed;
+  if (signal_seen != 0) mine.flags |= flag_signal;
+  reduction_ = all_reduce(model_.comm, mine);
+  if ((reduction_.flags & flag_trouble) != 0) stop(report.trouble, report.trouble_id, step);
+  signalled_ = (reduction_.flags & flag_signal) != 0;
+  const double first = first_stable_ > 0.0 ? first_stable_ : reduction_.least_step;
+  const double least = input_.time.minimum_step > 0.0 ? input_.time.minimum_step : 1e-4 * first;
+  if (reduction_.least_id >= 0 && !(reduction_.least_step * input_.time.safety_factor >= least)) {
+    std::string text;
+    if (report.least_id == reduction_.least_id)
+      for (const PartModel& p : model_.parts)
+        if (report.least_id >= p.first_element && report.least_id < p.first_element + p.n_elements)
+          text = fmt::format(
+              "the stable time step of {} is {:.3g} s{}, below the minimum of {:.3g} s; give its material the "
+              "erosion criterion minimum_time_step or lower time.minimum_step;",
+              element_name(model_, p.store->index(), report.least_id), reduction_.least_step,
+              input_.time.safety_factor < 1.0 ? fmt::format(" (times safety_factor {:.3g})", input_.time.safety_factor)
+                                              : "",
+              least);
+    stop(text, reduction_.least_id, step);
+  }
+}
+
+void Simulation::erode(const Step& step) {
+  eroded_now_.clear();
+  // Every hundredth cycle, whatever else happens, so that it does not depend on anything but the cycle.
+  if (step.cycle % 100 == 0 && erosion_->drop_distant_nodes(model_, ledger_))
+    for (auto& c : contacts_) c->invalidate();
+  if ((reduction_.flags & flag_failed) == 0) return;
+  const auto scope = timers_.measure("erosion");
+  eroded_now_ = erosion_->erode(model_, step, ledger_);
+  erosion_->update_free_nodes(model_);
+  std::vector<std::int64_t> dead;
+  for (const ErosionRecord& r : eroded_now_) dead.push_back(r.element);
+  const std::vector<ExteriorFacet> opened = model_.surface.opened_by(model_, erosion_->retired());
+  for (auto& c : contacts_) c->surface_changed(model_, step.end(), dead, opened, erosion_->retired_nodes());
+  erosion_->compact(model_);
+}
+
+void Simulation::stop(const std::string& local_trouble, std::int64_t id, const Step& step) const {
+  const std::int64_t lowest = -greatest(model_.comm, -id);
+  const std::string text = first_text(model_.comm, id == lowest ? local_trouble : std::string{});
+  throw PhysicsError(fmt::format("{} at time {:.6g} s, cycle {}", text, step.end(), step.cycle));
+}
+
+bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) != 0; }
+
+Balance Simulation::sample() { return integrator_.sample(model_, next_step(), loads_, ledger_); }
+
+Simulation::Progress Simulation::progress() const {
+  Progress p;
+  p.time = clock_.time();
+  p.last_dt = clock_.last_dt();
+  p.cycle = clock_.cycle();
+  p.last_rebalance = balancer_.last_cycle();
+  p.element_cycles = element_cycles_;
+  p.reduction = reduction_;
+  p.first_stable = first_stable_;
+  return p;
+}
+
+void Simulation::resume(const Progress& p) {
+  clock_.restore(p.time, p.last_dt, p.cycle);
+  element_cycles_ = model_.rank() == 0 ? p.element_cycles : 0;
+  reduction_ = p.reduction;
+  reduction_.flags = 0;
+  first_stable_ = p.first_stable;
+  balancer_.distribute(model_);
+  balancer_.restore(p.last_rebalance);
+  renumbered();
+  loads_.assign(1, {});
+  for (int i = 0; i < model_.nodes.n(); ++i) {
+    const auto it = p.contact_force.find(model_.nodes.id[i]);
+    if (!model_.nodes.owned[i] || it == p.contact_force.end()) continue;
+    loads_[0].nodes.push_back(i);
+    loads_[0].force.insert(loads_[0].force.end(), {it->second[0], it->second[1], it->second[2], 0});
+  }
+}
+
+// A node that races is the more telling of the two: the energies it leads to may be no numbers any more.
+void Simulation::check(const Balance& b) const {
+  check_speeds(b.time);
+  check_energy(b);
+}
+
+void Simulation::check_energy(const Balance& b) const {
+  if (!(std::fabs(b.error) <= input_.checks.energy_growth)) {
+    // The element that holds the most energy for its mass is where to look first.
+    struct Worst {
+      double energy;
+      std::int64_t id;
+    } worst{-1.0, -1};
+    std::string name;
+    for (const PartModel& part : model_.parts)
+      for (int s = 0; s < part.store->n_slots(); ++s) {
+        if (!part.store->live(s)) continue;
+        const double e =
+            part.store->field(PartStore::internal_energy).at(s, 0) / part.store->field(PartStore::mass).at(s, 0);
+        if (!(e <= worst.energy)) {
+          worst = {e, part.store->id(s)};
+          name = element_name(model_, part.store->index(), worst.id);
+        }
+      }
+    const double greatest_energy = greatest(model_.comm, worst.energy);
+    const std::string text = first_text(model_.comm, worst.energy == greatest_energy ? name : std::string{});
+    throw PhysicsError(fmt::format(
+        "the energy balance is off by {:.2f} %, more than checks.energy_growth of {:.2f} %, at time {:.6g} s, cycle "
+        "{}; "
+        "the highest energy per mass, {:.4g} J/kg, is in {}",
+        100.0 * b.error, 100.0 * input_.checks.energy_growth, b.time, clock_.cycle(), greatest_energy, text));
+  }
+}
+
+void Simulation::check_speeds(double time) const {
+  double limit = input_.checks.maximum_speed;
+  if (!(limit > 0.0))
+    for (const PartModel& p : model_.parts)
+      limit = std::max(limit, 100.0 * std::sqrt((p.bulk_modulus + 4.0 / 3.0 * p.shear_modulus) / p.material->density));
+  std::string trouble;
+  for (int i = 0; i < model_.nodes.n() && trouble.empty(); ++i) {
+    const double speed = norm(model_.nodes.v(i));
+    if (!(speed <= limit))
+      trouble =
+          fmt::format("node {} (part {}, rank {}) moves at {:.4g} m/s, faster than {:.4g} m/s", model_.nodes.id[i],
+                      model_.parts[model_.nodes.part[i]].input->name, model_.rank(), speed, limit);
+  }
+  const std::string text = first_text(model_.comm, trouble);
+  if (!text.empty()) throw PhysicsError(fmt::format("{} at time {:.6g} s, cycle {}", text, time, clock_.cycle()));
+}
+
+}  // namespace kerf

@@ -1,0 +1,114 @@
+// The order of the phases of a run, and nothing else.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "core/timers.hpp"
+#include "dynamics/balance.hpp"
+#include "dynamics/clock.hpp"
+#include "dynamics/contact_engine.hpp"
+#include "dynamics/element_loop.hpp"
+#include "dynamics/erosion.hpp"
+#include "dynamics/integrator.hpp"
+#include "dynamics/ledger.hpp"
+#include "plugin/registry.hpp"
+#include "state/model.hpp"
+
+namespace kerf {
+
+/// What all ranks know after a step.
+struct StepReduction {
+  double least_step = 0.0;  // [s]
+  std::int64_t least_id = -1;  // element that sets it
+  std::int64_t flags = 0;  // or of all ranks
+};
+
+/// Called by the loop at its named points; a researcher's way in without editing the loop.
+class StepObserver {
+ public:
+  virtual ~StepObserver() = default;
+  virtual void before_forces(Model&, const Step&) {}
+  virtual void after_forces(Model&, const Step&) {}
+  virtual void after_step(class Simulation&, const Step&) {}
+};
+
+class Simulation {
+ public:
+  /// Builds and distributes the model of time zero. Throws InputError where bodies overlap or nodes cannot start as
+  /// they stand. Collective, as is everything here.
+  Simulation(MPI_Comm comm, const ModelInput& input, const Registry& registry);
+
+  void observe(StepObserver& observer) { observers_.push_back(&observer); }
+  /// Runs to the end, or until a signal. Throws PhysicsError on all ranks where the run goes wrong.
+  void run();
+  bool stopped_by_signal() const { return signalled_; }
+
+  Model& model() { return model_; }
+  const Model& model() const { return model_; }
+  const Clock& clock() const { return clock_; }
+  Ledger& ledger() { return ledger_; }
+  const Ledger& ledger() const { return ledger_; }
+  Timers& timers() { return timers_; }
+  const Balancer& balancer() const { return balancer_; }
+  const StepReduction& reduction() const { return reduction_; }
+  std::int64_t element_cycles() const { return element_cycles_; }
+  const std::vector<std::unique_ptr<ContactEngine>>& contacts() const { return contacts_; }
+  const std::vector<ErosionRecord>& eroded_now() const { return eroded_now_; }
+  /// Whether any rank eroded an element in the last step.
+  bool any_eroded() const;
+  /// Books at the present time. Collective.
+  Balance sample();
+  /// Throws PhysicsError where energy grows or a node races. Collective.
+  void check(const Balance& balance) const;
+  /// Contact forces of the last step on the nodes that this rank owns.
+  const std::vector<ContactLoad>& contact_loads() const { return loads_; }
+  /// The step that will follow.
+  Step next_step() const { return clock_.plan(reduction_.least_step); }
+  double first_stable_step() const { return first_stable_; }
+
+  // For restart
+  struct Progress {
+    double time = 0.0, last_dt = 0.0;
+    std::int64_t cycle = 0, last_rebalance = 0, element_cycles = 0;
+    StepReduction reduction;
+    double first_stable = 0.0;
+    std::unordered_map<std::int64_t, std::array<std::int64_t, 3>> contact_force;  // by node id, any superset
+  };
+  Progress progress() const;
+  /// After the model was assembled from a restart: distributes it and takes up the clock.
+  void resume(const Progress& progress);
+
+ private:
+  void renumbered();
+  void rebalance(const Step& step);
+  void add_forces(const Step& step);
+  void reduce(const Step& step, const ElementReport& report);
+  void erode(const Step& step);
+  void check_energy(const Balance& balance) const;
+  void check_speeds(double time) const;
+  [[noreturn]] void stop(const std::string& local_trouble, std::int64_t id, const Step& step) const;
+  std::vector<ContactLoad> loads() const;
+
+  const ModelInput& input_;
+  Model model_;
+  Ledger ledger_;
+  Clock clock_;
+  Balancer balancer_;
+  Integrator integrator_;
+  std::unique_ptr<Erosion> erosion_;
+  std::vector<std::unique_ptr<ContactEngine>> contacts_;
+  std::vector<StepObserver*> observers_;
+  Timers timers_;
+  StepReduction reduction_;
+  std::vector<ErosionRecord> eroded_now_;
+  std::vector<ContactLoad> loads_;
+  std::int64_t element_cycles_ = 0;
+  double first_stable_ = 0.0;
+  bool signalled_ = false;
+};
+
+}  // namespace kerf

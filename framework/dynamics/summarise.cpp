@@ -1,0 +1,204 @@
+// The summary of a run: totals, parts, measures, timers, and the table that closes the console output.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "core/fixed_sum.hpp"
+#include "dynamics/reporter.hpp"
+#include "dynamics/setup.hpp"
+#include "dynamics/state_hash.hpp"
+#include "kerf/measure.hpp"
+#include "kerf/plugin.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+std::array<double, 3> triple(Vec3 v) { return {v.x, v.y, v.z}; }
+
+/// All live elements and all nodes on rank 0, sorted by id. Collective.
+MeasureModel gather_model(const Model& model) {
+  struct FlatElement {
+    std::int64_t id, nodes[8], part;
+    double mass;
+  };
+  std::vector<FlatElement> elements;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartStore& store = *model.parts[p].store;
+    for (int s = 0; s < store.n_slots(); ++s) {
+      if (!store.live(s)) continue;
+      FlatElement e{store.id(s), {}, static_cast<std::int64_t>(p), store.field(PartStore::mass).at(s, 0)};
+      for (int k = 0; k < 8; ++k) e.nodes[k] = model.nodes.id[store.node(s, k)];
+      elements.push_back(e);
+    }
+  }
+  std::vector<NodeRecord> nodes;
+  for (int i = 0; i < model.nodes.n(); ++i)
+    if (model.nodes.owned[i]) nodes.push_back(model.nodes.record(i));
+  elements = gather_to_root(model.comm, elements);
+  nodes = gather_to_root(model.comm, nodes);
+  std::sort(elements.begin(), elements.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  std::sort(nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+
+  MeasureModel m;
+  for (const PartModel& p : model.parts) {
+    m.parts.push_back(p.input->name);
+    m.initial_mass.push_back(p.initial_mass);
+  }
+  for (const NodeRecord& n : nodes)
+    m.nodes.push_back({n.id,
+                       n.part,
+                       n.free != 0,
+                       n.mass,
+                       reference_position(model, n.id),
+                       {n.position[0], n.position[1], n.position[2]},
+                       {n.velocity[0], n.velocity[1], n.velocity[2]}});
+  const auto index = [&](std::int64_t id) {
+    const auto it =
+        std::lower_bound(nodes.begin(), nodes.end(), id, [](const NodeRecord& n, std::int64_t v) { return n.id < v; });
+    return static_cast<std::int32_t>(it - nodes.begin());
+  };
+  for (const FlatElement& e : elements) {
+    MeasureModel::Element out{e.id, static_cast<int>(e.part), e.mass, {}};
+    for (int k = 0; k < 8; ++k) out.nodes[k] = index(e.nodes[k]);
+    m.elements.push_back(out);
+  }
+  return m;
+}
+
+}  // namespace
+
+Summary Reporter::summarise(const std::string& exit) {
+  const Model& model = simulation_.model();
+  Summary s;
+  s.kerf_version = KERF_VERSION;
+  s.input = settings_.input_name;
+  s.ranks = model.n_ranks();
+  s.cycles = simulation_.clock().cycle();
+  s.end_time = simulation_.clock().time();
+  // The run proper: set-up and output are in the timers.
+  const double elapsed = MPI_Wtime() - start_seconds_;
+  s.wall_seconds = elapsed - simulation_.timers().seconds("output");
+  s.element_cycles = sum_of(model.comm, simulation_.element_cycles());
+  const std::int64_t done_now = s.element_cycles - sum_of(model.comm, first_element_cycles_);
+  s.element_cycles_per_second = s.wall_seconds > 0.0 ? static_cast<double>(done_now) / s.wall_seconds : 0.0;
+  s.state_hash = state_hash(model);
+  s.exit = exit;
+  const Balance& b = last_;
+  s.energy = {simulation_.ledger().initial_energy,
+              b.kinetic,
+              b.internal,
+              b.hourglass,
+              b.bulk_viscosity,
+              b.contact,
+              b.external,
+              b.eroded,
+              b.error};
+  s.momentum.initial = triple(simulation_.ledger().initial_momentum);
+  s.momentum.final = triple(b.momentum);
+  s.momentum.eroded = triple(b.dropped_momentum);
+  s.momentum.external_impulse = triple(b.impulse);
+  s.mass = {simulation_.ledger().initial_mass, b.live_mass, b.free_mass, b.dropped_mass};
+  std::vector<std::int64_t> counts = eroded_by_;
+  MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_INT64_T, MPI_SUM, model.comm);
+  s.eroded.elements = b.eroded_elements;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    std::int64_t& of_part = s.eroded.by_part[model.parts[p].input->name];
+    if (!model.parts[p].material->erosion) continue;
+    const auto& criteria = model.parts[p].material->erosion->criteria;
+    for (std::size_t c = 0; c < criteria.size(); ++c) {
+      of_part += counts[8 * p + c];
+      s.eroded.by_criterion[criteria[c]->type] += counts[8 * p + c];
+    }
+  }
+  add_parts(s);
+  add_measures(s);
+  add_timers(s);
+  for (const RebalanceRecord& r : simulation_.balancer().records())
+    s.rebalances.push_back({r.cycle, r.imbalance_before, r.imbalance_after, r.elements_moved, r.seconds});
+  return s;
+}
+
+void Reporter::add_parts(Summary& summary) {
+  const Model& model = simulation_.model();
+  const NodeStore& nodes = model.nodes;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartStore& store = *model.parts[p].store;
+    std::vector<double> element_mass, mass, kinetic, momentum[3];
+    for (int s = 0; s < store.n_slots(); ++s)
+      if (store.live(s)) element_mass.push_back(store.field(PartStore::mass).at(s, 0));
+    for (int i = 0; i < nodes.n(); ++i) {
+      if (!nodes.owned[i] || nodes.part[i] != static_cast<int>(p) || nodes.free[i]) continue;
+      const Vec3 v = nodes.v(i);
+      mass.push_back(nodes.mass[i]);
+      kinetic.push_back(0.5 * nodes.mass[i] * dot(v, v));
+      for (int d = 0; d < 3; ++d) momentum[d].push_back(nodes.mass[i] * v[d]);
+    }
+    Summary::Part& out = summary.parts[model.parts[p].input->name];
+    out.elements = model.parts[p].n_elements;
+    out.alive = sum_of(model.comm, store.n_live());
+    out.mass = order_free_sum(model.comm, element_mass);
+    out.kinetic = order_free_sum(model.comm, kinetic);
+    const double moving = order_free_sum(model.comm, mass);
+    for (int d = 0; d < 3; ++d) {
+      const double total = order_free_sum(model.comm, momentum[d]);
+      out.velocity[d] = moving > 0.0 ? total / moving : 0.0;
+    }
+  }
+}
+
+void Reporter::add_measures(Summary& summary) {
+  if (input_.measures.empty()) return;
+  const MeasureModel model = gather_model(simulation_.model());
+  if (!root()) return;
+  for (const auto& m : input_.measures)
+    for (const auto& [name, value] : m->evaluate(model))
+      summary.measures[name.empty() ? m->label : m->label + "." + name] = value;
+}
+
+void Reporter::add_timers(Summary& summary) {
+  for (const char* phase :
+       {"setup", "elements", "nodes", "contact_search", "contact_forces", "halo", "erosion", "rebalance", "output"}) {
+    const double mine = simulation_.timers().seconds(phase);
+    double sum = mine;
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, simulation_.model().comm);
+    summary.timers[phase] = {least(simulation_.model().comm, mine), sum / simulation_.model().n_ranks(),
+                             greatest(simulation_.model().comm, mine)};
+  }
+}
+
+void Reporter::print_table(const Summary& s) const {
+  fmt::print("\n{}: {} cycles to {:.6g} s, {} rank{}, {:.2f} s ({:.3f} million element cycles per second)\n", s.exit,
+             s.cycles, s.end_time, s.ranks, s.ranks == 1 ? "" : "s", s.wall_seconds,
+             s.element_cycles_per_second * 1e-6);
+  fmt::print("state hash {}\n\nenergy [J]\n", s.state_hash);
+  const std::pair<const char*, double> rows[] = {{"initial", s.energy.initial},
+                                                 {"kinetic", s.energy.kinetic},
+                                                 {"internal", s.energy.internal},
+                                                 {"hourglass", s.energy.hourglass},
+                                                 {"bulk viscosity", s.energy.bulk_viscosity},
+                                                 {"contact", s.energy.contact},
+                                                 {"external work", s.energy.external},
+                                                 {"eroded", s.energy.eroded}};
+  for (const auto& [name, value] : rows) fmt::print("  {:<16}{:>16.6g}\n", name, value);
+  fmt::print("  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
+  fmt::print("\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
+  for (const auto& [name, p] : s.parts)
+    fmt::print("{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,
+               norm({p.velocity[0], p.velocity[1], p.velocity[2]}));
+  if (s.eroded.elements > 0) {
+    fmt::print("\neroded by");
+    for (const auto& [name, n] : s.eroded.by_criterion) fmt::print("  {} {}", name, n);
+    fmt::print("\n");
+  }
+  if (!s.measures.empty()) fmt::print("\nmeasures\n");
+  for (const auto& [name, value] : s.measures) fmt::print("  {:<32}{:>14.6g}\n", name, value);
+  fmt::print("\ntime [s]\n");
+  for (const auto& [name, t] : s.timers) fmt::print("  {:<16}{:>10.3f}\n", name, t.mean);
+  fmt::print("output in {}\n", settings_.folder);
+  std::fflush(stdout);
+}
+
+}  // namespace kerf

@@ -1,0 +1,152 @@
+// Declarations of the blocks of the input file.
+#include "input/model_input.hpp"
+
+#include "kerf/measure.hpp"
+
+namespace kerf {
+
+ModelInput::~ModelInput() = default;
+
+void TimeInput::describe(Schema<TimeInput>& s) {
+  s.real(&TimeInput::end, "end", "s", positive, "time at which the run ends");
+  s.real(&TimeInput::safety_factor, "safety_factor", "-", Range{0.0, 1.0, true, false},
+         "fraction of the stable time step that is used")
+      .by_default("0.9");
+  s.real(&TimeInput::initial_step, "initial_step", "s", positive, "upper bound of the first time step").optional();
+  s.real(&TimeInput::maximum_step, "maximum_step", "s", positive, "upper bound of every time step").optional();
+  s.real(&TimeInput::minimum_step, "minimum_step", "s", positive,
+         "the run stops, naming the element, when the stable step falls below this; by default 1e-4 of the first step")
+      .optional();
+  s.real(&TimeInput::growth, "growth", "-", Range{1.0, 10.0, true, false},
+         "largest ratio of a time step to the one before it")
+      .by_default("1.1");
+  s.integer(&TimeInput::maximum_cycles, "maximum_cycles", positive, "the run ends after this many cycles").optional();
+}
+
+void ErosionInput::describe(Schema<ErosionInput>& s) {
+  s.choice(&ErosionInput::rule, "rule", {"any", "all", "at_least"},
+           "how many criteria must fail an element before it is eroded")
+      .by_default("any");
+  s.integer(&ErosionInput::count, "count", positive, "number of criteria for the rule at_least").by_default("1");
+  s.plugin_list(&ErosionInput::criteria, "criteria", "erosion", "criteria that judge the elements of this material");
+  s.rule("criteria", "a material takes one to eight erosion criteria, or no block `erosion` at all",
+         [](const ErosionInput& e) { return !e.criteria.empty() && e.criteria.size() <= 8; });
+  s.rule("count", "at_least needs a count no larger than the number of criteria", [](const ErosionInput& e) {
+    return e.rule != "at_least" || e.count <= static_cast<std::int64_t>(e.criteria.size());
+  });
+}
+
+void MaterialInput::describe(Schema<MaterialInput>& s) {
+  s.real(&MaterialInput::density, "density", "kg/m3", positive, "density of the undeformed material");
+  s.plugin(&MaterialInput::strength, "strength", "material", "law of the stress deviator");
+  s.plugin(&MaterialInput::eos, "eos", "eos", "equation of state, the law of the pressure");
+  s.optional_block(&MaterialInput::erosion, "erosion", "when elements of this material are deleted");
+}
+
+void PlacementInput::describe(Schema<PlacementInput>& s) {
+  s.real(&PlacementInput::angle, "angle", "rad", any_value, "angle of rotation about the axis").by_default("0 rad");
+  s.vector(&PlacementInput::axis, "axis", "-", any_value, "direction of the axis of rotation").by_default("[0, 0, 1]");
+  s.vector(&PlacementInput::about, "about", "m", any_value, "point on the axis of rotation").by_default("[0, 0, 0]");
+  s.vector(&PlacementInput::translate, "translate", "m", any_value, "translation after the rotation")
+      .by_default("[0, 0, 0]");
+  s.rule("axis", "the axis must not have zero length", [](const PlacementInput& p) { return norm(p.axis) > 0.0; });
+}
+
+void PartInput::describe(Schema<PartInput>& s) {
+  s.plugin(&PartInput::mesh, "mesh", "mesh", "generator of the part's mesh");
+  s.text(&PartInput::material, "material", "name of a material in `materials`");
+  s.plugin(&PartInput::element, "element", "element", "element technology").by_default("{type: hex8}");
+  s.block_list(&PartInput::placement, "placement", "rotations and translations, carried out in order").optional();
+  s.vector(&PartInput::velocity, "velocity", "m/s", any_value, "initial velocity of all nodes of the part")
+      .by_default("[0, 0, 0]");
+}
+
+void SetInput::describe(Schema<SetInput>& s) {
+  s.texts(&SetInput::parts, "parts", "parts whose nodes are taken; all where absent").optional();
+  s.text(&SetInput::face, "face", "face of the generator whose nodes are taken").optional();
+  s.reals(&SetInput::box, "box", "m", any_value,
+          "box whose nodes are taken: x_min, y_min, z_min, x_max, y_max, z_max, after placement")
+      .optional();
+  s.rule("box", "a box takes six numbers, the three lower bounds first and none above its upper bound",
+         [](const SetInput& b) { return b.has_proper_box(); });
+}
+
+bool SetInput::has_proper_box() const {
+  return box.empty() || (box.size() == 6 && box[0] <= box[3] && box[1] <= box[4] && box[2] <= box[5]);
+}
+
+void BalanceInput::describe(Schema<BalanceInput>& s) {
+  s.plugin(&BalanceInput::partitioner, "partitioner", "partitioner", "how elements are distributed over the ranks")
+      .by_default("{type: zoltan_rcb}");
+  s.boolean(&BalanceInput::enabled, "enabled", "whether the mesh is re-balanced during the run").by_default("true");
+  s.real(&BalanceInput::threshold, "threshold", "-", Range{1.0, 100.0, false, false},
+         "max/mean of the work model above which re-balancing is considered")
+      .by_default("1.05");
+  s.integer(&BalanceInput::check_interval, "check_interval", positive, "cycles between two looks at the imbalance")
+      .by_default("50");
+  s.integer(&BalanceInput::cooldown, "cooldown", non_negative, "least cycles between two re-balances")
+      .by_default("100");
+  s.integer(&BalanceInput::force_interval, "force_interval", non_negative,
+            "re-balance every so many cycles whatever the imbalance; 0 for never")
+      .by_default("0");
+  s.real(&BalanceInput::cost_factor, "cost_factor", "-", non_negative,
+         "re-balance only if the work saved until the next look exceeds this many times the cost of moving")
+      .by_default("1.0");
+}
+
+void OutputInput::describe(Schema<OutputInput>& s) {
+  s.real(&OutputInput::results_interval, "results_interval", "s", positive,
+         "time between two frames of results.vtkhdf; by default a twentieth of the run")
+      .optional();
+  s.real(&OutputInput::history_interval, "history_interval", "s", positive,
+         "time between two lines of history.csv; by default a two-hundredth of the run")
+      .optional();
+  s.real(&OutputInput::restart_interval, "restart_interval", "s", positive,
+         "time between two restart files; by default only when the run stops early")
+      .optional();
+  s.integer(&OutputInput::progress_interval, "progress_interval", non_negative,
+            "cycles between two progress lines; 0 for about twenty lines in a run")
+      .by_default("0");
+  s.choice(&OutputInput::precision, "precision", {"single", "double"}, "precision of the fields in results.vtkhdf")
+      .by_default("single");
+  s.texts(&OutputInput::element_fields, "element_fields",
+          "element fields to write: any of stress, pressure, density, internal_energy, von_mises, and every state "
+          "variable")
+      .by_default("[pressure, von_mises, effective_plastic_strain]");
+  s.texts(&OutputInput::node_fields, "node_fields", "node fields to write: any of velocity, displacement, mass")
+      .by_default("[velocity]");
+}
+
+void ChecksInput::describe(Schema<ChecksInput>& s) {
+  s.real(&ChecksInput::energy_growth, "energy_growth", "-", positive,
+         "the run stops when the energy balance error exceeds this")
+      .by_default("0.05");
+  s.real(&ChecksInput::maximum_speed, "maximum_speed", "m/s", positive,
+         "the run stops when a node is faster than this; by default a hundred times the sound speed")
+      .optional();
+  s.choice(&ChecksInput::free_nodes, "free_nodes", {"keep", "drop", "drop_beyond"},
+           "what becomes of nodes without live elements: point masses in contact, or dropped and accounted for")
+      .by_default("keep");
+  s.real(&ChecksInput::drop_distance, "drop_distance", "m", positive,
+         "free nodes farther than this from the box round all live material are dropped (for drop_beyond)")
+      .optional();
+}
+
+void ModelInput::describe(Schema<ModelInput>& s) {
+  s.text(&ModelInput::title, "title", "one line about the run").by_default("");
+  s.text_map(&ModelInput::parameters, "parameters", "values by name, used as $name in place of any single value")
+      .optional();
+  s.block(&ModelInput::time, "time", "how long the run is and how its time step is chosen");
+  s.block_map(&ModelInput::materials, "materials", "materials by name");
+  s.block_map(&ModelInput::parts, "parts", "bodies by name");
+  s.block_map(&ModelInput::sets, "sets", "named sets of nodes, facets and elements").optional();
+  s.plugin_list(&ModelInput::boundaries, "boundaries", "boundary", "boundary conditions").optional();
+  s.plugin_list(&ModelInput::contacts, "contacts", "contact", "contact definitions").optional();
+  s.plugin_map(&ModelInput::measures, "measures", "measure", "numbers that go to summary.json, by name").optional();
+  s.block(&ModelInput::balance, "balance", "distribution over ranks and re-balancing").by_default("{}");
+  s.block(&ModelInput::output, "output", "what is written, and how often").by_default("{}");
+  s.block(&ModelInput::checks, "checks", "when a run that goes wrong is stopped, and what becomes of free nodes")
+      .by_default("{}");
+}
+
+}  // namespace kerf

@@ -1,0 +1,114 @@
+// The input file as the program sees it: every block, key, unit and default, declared once.
+//
+// From these declarations come parsing, messages, `kerf schema` and the reference manual.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kerf/boundary.hpp"
+#include "kerf/contact.hpp"
+#include "kerf/element.hpp"
+#include "kerf/eos.hpp"
+#include "kerf/erosion.hpp"
+#include "kerf/material.hpp"
+#include "kerf/partitioner.hpp"
+#include "kerf/schema.hpp"
+#include "mesh/generator.hpp"
+
+namespace kerf {
+
+class Measure;
+
+struct TimeInput {
+  double end = 0.0, safety_factor = 0.9, initial_step = 0.0, minimum_step = 0.0, maximum_step = 0.0, growth = 1.1;
+  std::int64_t maximum_cycles = 0;
+  static void describe(Schema<TimeInput>& s);
+};
+
+struct ErosionInput {
+  std::string rule;
+  std::int64_t count = 1;
+  std::vector<std::unique_ptr<ErosionCriterion>> criteria;
+  static void describe(Schema<ErosionInput>& s);
+};
+
+struct MaterialInput {
+  std::string name;
+  double density = 0.0;
+  std::unique_ptr<Material> strength;
+  std::unique_ptr<Eos> eos;
+  std::unique_ptr<ErosionInput> erosion;
+  static void describe(Schema<MaterialInput>& s);
+};
+
+/// One step of placing a part: a rotation about an axis through a point, then a translation.
+struct PlacementInput {
+  double angle = 0.0;
+  Vec3 axis{0.0, 0.0, 1.0}, about, translate;
+  static void describe(Schema<PlacementInput>& s);
+};
+
+struct PartInput {
+  std::string name, material;
+  std::unique_ptr<MeshGenerator> mesh;
+  std::unique_ptr<Element> element;
+  std::vector<std::unique_ptr<PlacementInput>> placement;
+  Vec3 velocity;
+  static void describe(Schema<PartInput>& s);
+};
+
+/// A named set of nodes; facets and elements belong to it when all their nodes do.
+struct SetInput {
+  std::string name, face;
+  std::vector<std::string> parts;
+  std::vector<double> box;  // x_min, y_min, z_min, x_max, y_max, z_max; empty where absent
+  bool has_proper_box() const;  // or none
+  static void describe(Schema<SetInput>& s);
+};
+
+struct BalanceInput {
+  bool enabled = true;
+  double threshold = 1.05, cost_factor = 1.0;
+  std::int64_t check_interval = 50, cooldown = 100, force_interval = 0;
+  std::unique_ptr<Partitioner> partitioner;
+  static void describe(Schema<BalanceInput>& s);
+};
+
+struct OutputInput {
+  double results_interval = 0.0, history_interval = 0.0, restart_interval = 0.0;
+  std::int64_t progress_interval = 0;
+  std::string precision;
+  std::vector<std::string> element_fields, node_fields;
+  static void describe(Schema<OutputInput>& s);
+};
+
+struct ChecksInput {
+  double energy_growth = 0.05, maximum_speed = 0.0;
+  std::string free_nodes;
+  double drop_distance = 0.0;
+  static void describe(Schema<ChecksInput>& s);
+};
+
+struct ModelInput {
+  std::string title;
+  std::map<std::string, std::string> parameters;  // as written; they are in their places already
+  TimeInput time;
+  std::vector<std::unique_ptr<MaterialInput>> materials;
+  std::vector<std::unique_ptr<PartInput>> parts;
+  std::vector<std::unique_ptr<SetInput>> sets;
+  std::vector<std::unique_ptr<Boundary>> boundaries;
+  std::vector<std::unique_ptr<Contact>> contacts;
+  std::vector<std::unique_ptr<Measure>> measures;
+  BalanceInput balance;
+  OutputInput output;
+  ChecksInput checks;
+  /// Fingerprint of the text of everything that a restart must find unchanged; not a key of the input.
+  std::string digest;
+  static void describe(Schema<ModelInput>& s);
+  ~ModelInput();
+};
+
+}  // namespace kerf

@@ -1,0 +1,67 @@
+// Reads the text of an input file into a model.
+#include "input/read_model.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "input/binder.hpp"
+#include "input/substitute.hpp"
+#include "input/yaml_reader.hpp"
+#include "kerf/measure.hpp"
+
+namespace kerf {
+
+namespace {
+
+/// FNV-1a over keys and texts, in the order of writing.
+void digest(const Node& node, std::uint64_t& hash) {
+  const auto add = [&](const std::string& text) {
+    for (const char c : text + '\n') hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  };
+  add(node.text);
+  for (const Node& item : node.items) digest(item, hash);
+  for (const Entry& entry : node.entries) {
+    add(entry.key);
+    digest(entry.value, hash);
+  }
+}
+
+/// Of materials, parts, sets, boundaries, contacts, checks and the choice of the time step: what is computed. How long,
+/// how it is distributed and what is written may change at a restart.
+std::string physics_digest(const Node& root) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (const char* key : {"materials", "parts", "sets", "boundaries", "contacts", "checks"})
+    if (const Entry* entry = root.find(key)) digest(entry->value, hash);
+  if (const Entry* time = root.find("time"))
+    for (const Entry& entry : time->value.entries)
+      if (entry.key != "end" && entry.key != "maximum_cycles") {
+        digest(Node{.origin = {}, .text = entry.key, .items = {}, .entries = {}}, hash);
+        digest(entry.value, hash);
+      }
+  return std::to_string(hash);
+}
+
+}  // namespace
+
+std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const std::string& bytes,
+                                             const std::vector<std::string>& overrides, const Registry& registry,
+                                             Diagnostics& diagnostics, OriginMap& origins) {
+  std::optional<Node> root = read_yaml(file_name, bytes, diagnostics);
+  if (!root) throw InputError(diagnostics.errors());
+  const Origin top{std::make_shared<const std::string>(file_name), 1, 1};
+  for (const std::string& text : overrides) apply_override(*root, text, diagnostics);
+  substitute_parameters(*root, diagnostics);
+  auto model = std::make_unique<ModelInput>();
+  if (root->is_nothing()) {
+    diagnostics.error(top, "the input is empty; expected at least the keys time, materials and parts");
+    return model;
+  }
+  model->digest = physics_digest(*root);
+  origins.add("", top);
+  Binder(registry, diagnostics, origins)
+      .bind_block(Schema<ModelInput>::described<ModelInput>(), *root, model.get(), "", top);
+  return model;
+}
+
+}  // namespace kerf

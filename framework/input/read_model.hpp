@@ -1,0 +1,27 @@
+// From the text of an input file to a checked model.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/diagnostics.hpp"
+#include "input/document.hpp"
+#include "input/model_input.hpp"
+#include "plugin/registry.hpp"
+
+namespace kerf {
+
+/// Reads an input text, after the overrides "key.path=value", into a model. All mistakes go to `diagnostics`, and
+/// the model holds what could be read: members whose text was wrong are null. Throws InputError where the text is
+/// not YAML at all.
+std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const std::string& bytes,
+                                             const std::vector<std::string>& overrides, const Registry& registry,
+                                             Diagnostics& diagnostics, OriginMap& origins);
+
+/// Checks what no single block can know: names that refer to one another, faces, variables that laws read from one
+/// another. Prepares the mesh generators. May be called on a model with errors, to find all of them at once.
+/// Post: where `diagnostics` holds no error, every required member of the model is there.
+void validate(const ModelInput& model, const OriginMap& origins, Diagnostics& diagnostics);
+
+}  // namespace kerf

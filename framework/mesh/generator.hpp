@@ -1,0 +1,34 @@
+// The interface of mesh generators: meshes whose nodes and elements are computed from their number.
+//
+// A generator never stores the whole mesh, so that every rank can build just its share and ten million
+// elements cost nothing before they are distributed. Generators are plugins of kind "mesh".
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "kerf/schema.hpp"
+
+namespace kerf {
+
+class MeshGenerator : public Plugin {
+ public:
+  /// Checks the parameters against one another and builds what the numbering needs (grading, section).
+  /// Returns sentences that say what is wrong; empty where all is well. Called once, on every rank.
+  virtual std::vector<std::string> prepare() = 0;
+
+  virtual std::int64_t n_nodes() const = 0;
+  virtual std::int64_t n_elements() const = 0;
+  /// Position of a node before the part is placed [m].
+  virtual Vec3 node(std::int64_t i) const = 0;
+  /// Nodes of an element: bottom face counter-clockwise seen from above, then top face (positive volume).
+  virtual std::array<std::int64_t, 8> element(std::int64_t e) const = 0;
+  /// Names of the faces of the body ("x_min", "lateral", ...), for sets and boundary conditions.
+  virtual std::vector<std::string> face_names() const = 0;
+  /// Whether a node lies on a named face (index into face_names()).
+  virtual bool on_face(std::int64_t i, int face) const = 0;
+};
+
+}  // namespace kerf

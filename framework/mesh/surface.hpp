@@ -1,0 +1,65 @@
+// Knows which faces of live elements are exterior, as elements die on this and on other ranks.
+//
+// Elements are numbered through all parts of the rank: slot of part p plus the part's offset. Faces are numbered
+// 0..5, nodes counter-clockwise seen from outside.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "parallel/exchange_plan.hpp"
+
+namespace kerf {
+
+struct Model;
+
+/// Corners of the six faces of a hexahedron, counter-clockwise seen from outside.
+inline constexpr int hex_face[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                       {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+
+inline constexpr int opposite_face[6] = {1, 0, 4, 5, 2, 3};
+
+struct ExteriorFacet {
+  std::int32_t part = 0, slot = 0, face = 0;
+};
+
+class Surface {
+ public:
+  /// Finds all neighbours across faces, on this and other ranks. Collective.
+  void build(const Model& model);
+  /// After elements were retired: learns which neighbours on other ranks have died. Collective.
+  void update(const Model& model);
+  /// Faces of live elements of this rank that the retired elements of this rank, and those of other ranks that the last
+  /// update() learnt of, had covered. Local.
+  std::vector<ExteriorFacet> opened_by(const Model& model, const std::vector<ExteriorFacet>& retired) const;
+  /// Renumbers after a part was compacted; `moved` as returned by PartStore::compact.
+  void compact(const Model& model, const std::vector<std::vector<std::int32_t>>& moved);
+  /// All exterior faces of live elements of this rank.
+  std::vector<ExteriorFacet> exterior(const Model& model) const;
+  /// Neighbours of a live element for graph partitioning: global id and rank of each live neighbour.
+  void neighbours(const Model& model, int part, int slot, std::vector<std::int64_t>& ids,
+                  std::vector<int>& ranks) const;
+
+ private:
+  static constexpr std::int32_t none = -1;
+  static constexpr std::int32_t first_remote = -2;  // code of remote neighbour r is first_remote - r
+  void match_local(const Model& model, std::vector<std::int64_t>& open);
+  void match_remote(const Model& model, const std::vector<std::int64_t>& open);
+  bool open_face(const Model& model, int part, std::int32_t element, int face) const;
+
+  std::vector<std::int32_t> offset_;  // first element number of each part, and the end
+  std::vector<std::array<std::int32_t, 6>> neighbour_;  // element number, none, or a remote code
+  std::vector<std::int64_t> remote_id_;
+  std::vector<int> remote_rank_;
+  struct RemoteFace {
+    std::int32_t remote, element, face;
+  };
+  std::vector<RemoteFace> remote_faces_;  // faces whose neighbour is remote
+  std::vector<char> remote_died_;  // found dead by the last update
+  std::vector<std::int64_t> remote_alive_, alive_;
+  std::unique_ptr<ExchangePlan> plan_;
+};
+
+}  // namespace kerf

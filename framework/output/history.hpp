@@ -1,0 +1,91 @@
+// The two tables that grow with a run: history.csv (one row per sample) and erosion.csv (one row per element).
+//
+// Both are plain CSV with the unit in the column's title, written by rank 0 and flushed row by row, and both can
+// be cut back to an earlier time when a run resumes. Numbers are written with the fewest digits that read back to
+// the same bits.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace kerf {
+
+/// A CSV file open for appending on rank 0 and on no other.
+class CsvFile {
+ public:
+  /// Starts a new file with this header line. Collective.
+  CsvFile(MPI_Comm comm, const std::string& path, const std::string& header);
+  /// Opens a file of an earlier run and drops the rows whose first column is greater than `time`, and a last row
+  /// that was not finished. The kept rows keep their bytes. Throws where the header differs. Collective.
+  static CsvFile resume(MPI_Comm comm, const std::string& path, const std::string& header, double time);
+
+  bool is_writer() const { return file_ != nullptr; }
+  /// Adds finished lines and flushes. Nothing happens where this rank is not the writer.
+  void append(const std::string& lines);
+
+ private:
+  struct Close {
+    void operator()(std::FILE* f) const { std::fclose(f); }
+  };
+  CsvFile(MPI_Comm comm, const std::string& path);
+  std::string path_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
+
+struct HistoryColumn {
+  std::string name;
+  std::string unit;  // "-" where there is none
+};
+
+/// history.csv; the first column is the time.
+class HistoryWriter {
+ public:
+  /// Collective.
+  HistoryWriter(MPI_Comm comm, const std::string& path, const std::vector<HistoryColumn>& columns);
+  /// Goes on with the file of an earlier run, keeping the rows up to and including `time`. Collective.
+  static HistoryWriter resume(MPI_Comm comm, const std::string& path, const std::vector<HistoryColumn>& columns,
+                              double time);
+  /// Adds one row. Pre: one value per column. Not collective: ranks other than 0 may call it or not.
+  void write(std::span<const double> row);
+
+ private:
+  HistoryWriter(CsvFile file, std::size_t n_columns) : file_(std::move(file)), n_columns_(n_columns) {}
+  CsvFile file_;
+  std::size_t n_columns_;
+};
+
+/// One element at the moment of its death.
+struct ErosionRecord {
+  double time = 0.0;  // [s]
+  std::int64_t cycle = 0;
+  std::int64_t element = 0;  // global id
+  std::string part, criterion;
+  double value = 0.0;  // of the criterion
+  double mass = 0.0;  // [kg]
+  double energy = 0.0;  // [J] internal energy that left with it
+};
+
+/// erosion.csv.
+class ErosionLog {
+ public:
+  /// Collective.
+  ErosionLog(MPI_Comm comm, const std::string& path);
+  /// Goes on with the file of an earlier run, keeping the rows up to and including `time`. Collective.
+  static ErosionLog resume(MPI_Comm comm, const std::string& path, double time);
+  /// Adds the elements that died on all ranks, sorted by (cycle, element), so that the file does not depend on
+  /// the decomposition. Collective.
+  void append(MPI_Comm comm, const std::vector<ErosionRecord>& local);
+
+ private:
+  explicit ErosionLog(CsvFile file) : file_(std::move(file)) {}
+  CsvFile file_;
+};
+
+}  // namespace kerf

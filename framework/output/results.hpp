@@ -1,0 +1,65 @@
+// Writes results.vtkhdf: all frames of a run in one file that ParaView opens as a time series.
+//
+// Layout: a temporal VTKHDF 2.0 UnstructuredGrid with one partition. Elements and nodes stand in their original
+// global order whatever the owners are, topology is stored once, and every frame appends the node positions and
+// the fields. Eroded elements stay in the grid; `alive` is 0 for them and `vtkGhostType` hides them.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+/// One parallel file of results. All functions are collective; ranks that hold nothing pass empty spans.
+///
+/// Calls per file: write_topology once, then per frame begin_frame, the add_* calls in the same order on all
+/// ranks, end_frame. The set of fields is fixed by the first frame. Misuse throws std::logic_error, failures of
+/// the file std::runtime_error.
+class ResultsWriter {
+ public:
+  /// Creates the file, replacing one that is there. With `double_precision` positions and fields are stored as
+  /// double, otherwise as float.
+  ResultsWriter(MPI_Comm comm, const std::string& path, std::int64_t n_nodes, std::int64_t n_elements,
+                bool double_precision);
+  /// Opens a file of an earlier run to append to it, keeping its first `keep_frames` frames and no other.
+  static ResultsWriter reopen(MPI_Comm comm, const std::string& path, int keep_frames);
+
+  ResultsWriter(ResultsWriter&&) noexcept;
+  ResultsWriter& operator=(ResultsWriter&&) noexcept;
+  /// Closes the file. Collective, and before MPI_Finalize.
+  ~ResultsWriter();
+
+  /// Pre: the ranks' elements together are all elements of the model, each once. `nodes` holds eight global node
+  /// ids per element in the order of VTK_HEXAHEDRON, `parts` one index into `part_names` per element.
+  void write_topology(std::span<const std::int64_t> elements, std::span<const std::int64_t> nodes,
+                      std::span<const std::int32_t> parts, const std::vector<std::string>& part_names);
+
+  void begin_frame(double time);
+  /// Positions [m], three per node. Nodes that nobody holds any more keep their last written position.
+  void add_points(std::span<const std::int64_t> owned_nodes, std::span<const double> positions);
+  /// Values in the order of the ids, `components` per entity; 0 is stored where nobody holds the entity.
+  void add_node_field(const std::string& name, int components, std::span<const std::int64_t> owned_nodes,
+                      std::span<const double> values);
+  void add_element_field(const std::string& name, int components, std::span<const std::int64_t> live_elements,
+                         std::span<const double> values);
+  /// Stores `alive` and `vtkGhostType`.
+  void add_alive(std::span<const std::int64_t> live_elements);
+  /// Completes the frame. Post: the file on disk is complete up to and including this frame, so that whatever
+  /// happens later a reader finds it.
+  void end_frame();
+
+  /// Complete frames in the file.
+  int n_frames() const;
+
+ private:
+  class Impl;
+  explicit ResultsWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf

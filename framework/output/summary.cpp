@@ -1,0 +1,98 @@
+// The JSON behind summary.hpp.
+#include "output/summary.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace kerf {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Value, class Convert>
+Json object_of(const std::map<std::string, Value>& values, Convert&& convert) {
+  Json object = Json::object();
+  for (const auto& [name, value] : values) object[name] = convert(value);
+  return object;
+}
+
+Json json_of(const Summary::Energy& e) {
+  return {{"initial", e.initial},
+          {"kinetic", e.kinetic},
+          {"internal", e.internal},
+          {"hourglass", e.hourglass},
+          {"bulk_viscosity", e.bulk_viscosity},
+          {"contact", e.contact},
+          {"external", e.external},
+          {"eroded", e.eroded},
+          {"balance_error", e.balance_error}};
+}
+
+Json json_of(const Summary::Eroded& e) {
+  const auto count = [](std::int64_t n) { return Json(n); };
+  return {{"elements", e.elements},
+          {"by_part", object_of(e.by_part, count)},
+          {"by_criterion", object_of(e.by_criterion, count)}};
+}
+
+Json json_of(const Summary::Part& p) {
+  return {
+      {"elements", p.elements}, {"alive", p.alive}, {"mass", p.mass}, {"velocity", p.velocity}, {"kinetic", p.kinetic}};
+}
+
+Json json_of(const Summary::Rebalance& r) {
+  return {{"cycle", r.cycle},
+          {"imbalance_before", r.imbalance_before},
+          {"imbalance_after", r.imbalance_after},
+          {"elements_moved", r.elements_moved},
+          {"seconds", r.seconds}};
+}
+
+}  // namespace
+
+std::string summary_text(const Summary& s) {
+  Json json;
+  json["kerf_version"] = s.kerf_version;
+  json["input"] = s.input;
+  json["ranks"] = s.ranks;
+  json["cycles"] = s.cycles;
+  json["end_time"] = s.end_time;
+  json["wall_seconds"] = s.wall_seconds;
+  json["element_cycles"] = s.element_cycles;
+  json["element_cycles_per_second"] = s.element_cycles_per_second;
+  json["state_hash"] = s.state_hash;
+  json["exit"] = s.exit;
+  json["energy"] = json_of(s.energy);
+  json["momentum"] = {{"initial", s.momentum.initial},
+                      {"final", s.momentum.final},
+                      {"eroded", s.momentum.eroded},
+                      {"external_impulse", s.momentum.external_impulse}};
+  json["mass"] = {{"initial", s.mass.initial},
+                  {"live", s.mass.live},
+                  {"free_nodes", s.mass.free_nodes},
+                  {"dropped", s.mass.dropped}};
+  json["eroded"] = json_of(s.eroded);
+  json["parts"] = object_of(s.parts, [](const Summary::Part& p) { return json_of(p); });
+  json["measures"] = object_of(s.measures, [](double v) { return Json(v); });
+  json["timers"] = object_of(s.timers, [](const Summary::Timer& t) {
+    return Json{{"min", t.min}, {"mean", t.mean}, {"max", t.max}};
+  });
+  json["rebalances"] = Json::array();
+  for (const Summary::Rebalance& r : s.rebalances) json["rebalances"].push_back(json_of(r));
+  // Names come from the user's file; a byte that is not UTF-8 must not cost the whole summary.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_summary(const std::string& path, const Summary& summary) {
+  const std::string unfinished = path + ".part";
+  std::ofstream out(unfinished, std::ios::trunc);
+  out << summary_text(summary);
+  out.close();
+  if (!out) throw std::runtime_error("cannot write \"" + unfinished + "\"");
+  std::filesystem::rename(unfinished, path);
+}
+
+}  // namespace kerf

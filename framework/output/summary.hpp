@@ -1,0 +1,74 @@
+// The contents of summary.json: what a run was, what it ended with and where its time went.
+//
+// The keys are a contract with everything that reads the file (post-processing, tests): they may be added to, not
+// renamed. Members here have the names of the keys.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+struct Summary {
+  struct Energy {  // [J]
+    double initial = 0.0, kinetic = 0.0, internal = 0.0, hourglass = 0.0, bulk_viscosity = 0.0, contact = 0.0,
+           external = 0.0, eroded = 0.0;
+    /// (all energies at the end, eroded included, minus initial minus external work) / max(initial, external).
+    double balance_error = 0.0;  // [-]
+  };
+  struct Momentum {  // [kg m/s]
+    std::array<double, 3> initial{}, final{}, eroded{};
+    std::array<double, 3> external_impulse{};  // of boundary conditions
+  };
+  struct Mass {  // [kg]
+    double initial = 0.0, live = 0.0, free_nodes = 0.0, dropped = 0.0;
+  };
+  struct Eroded {
+    std::int64_t elements = 0;
+    std::map<std::string, std::int64_t> by_part, by_criterion;
+  };
+  struct Part {
+    std::int64_t elements = 0, alive = 0;
+    double mass = 0.0;  // [kg] live
+    std::array<double, 3> velocity{};  // [m/s] mass average
+    double kinetic = 0.0;  // [J]
+  };
+  struct Timer {  // [s] over ranks
+    double min = 0.0, mean = 0.0, max = 0.0;
+  };
+  struct Rebalance {
+    std::int64_t cycle = 0;
+    double imbalance_before = 0.0, imbalance_after = 0.0;
+    std::int64_t elements_moved = 0;
+    double seconds = 0.0;
+  };
+
+  std::string kerf_version, input;
+  int ranks = 0;
+  std::int64_t cycles = 0;
+  double end_time = 0.0, wall_seconds = 0.0;  // [s]
+  std::int64_t element_cycles = 0;  // live elements, added up over cycles
+  double element_cycles_per_second = 0.0;
+  std::string state_hash;  // hexadecimal
+  std::string exit;  // "completed" or why the run ended
+  Energy energy;
+  Momentum momentum;
+  Mass mass;
+  Eroded eroded;
+  std::map<std::string, Part> parts;
+  std::map<std::string, double> measures;
+  std::map<std::string, Timer> timers;
+  std::vector<Rebalance> rebalances;
+};
+
+/// The text of summary.json. Numbers that are not finite become null, which JSON has no other way to say.
+std::string summary_text(const Summary& summary);
+
+/// Writes summary.json so that a reader finds the old file or the new one and never half of one. To be called
+/// by one rank. Throws std::runtime_error where that fails.
+void write_summary(const std::string& path, const Summary& summary);
+
+}  // namespace kerf

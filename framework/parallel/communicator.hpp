@@ -1,0 +1,101 @@
+// Typed wrappers of the few MPI calls that Kerf makes itself.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace kerf {
+
+inline int rank_of(MPI_Comm comm) {
+  int r = 0;
+  MPI_Comm_rank(comm, &r);
+  return r;
+}
+inline int size_of(MPI_Comm comm) {
+  int n = 1;
+  MPI_Comm_size(comm, &n);
+  return n;
+}
+inline std::int64_t sum_of(MPI_Comm comm, std::int64_t v) {
+  MPI_Allreduce(MPI_IN_PLACE, &v, 1, MPI_INT64_T, MPI_SUM, comm);
+  return v;
+}
+inline std::int64_t greatest(MPI_Comm comm, std::int64_t v) {
+  MPI_Allreduce(MPI_IN_PLACE, &v, 1, MPI_INT64_T, MPI_MAX, comm);
+  return v;
+}
+inline double greatest(MPI_Comm comm, double v) {
+  MPI_Allreduce(MPI_IN_PLACE, &v, 1, MPI_DOUBLE, MPI_MAX, comm);
+  return v;
+}
+inline double least(MPI_Comm comm, double v) {
+  MPI_Allreduce(MPI_IN_PLACE, &v, 1, MPI_DOUBLE, MPI_MIN, comm);
+  return v;
+}
+
+/// A datatype of sizeof(T) bytes, so that counts are in items and messages may exceed 2 GiB.
+template <class T>
+class ItemType {
+ public:
+  static_assert(std::is_trivially_copyable_v<T>);
+  ItemType() {
+    MPI_Type_contiguous(static_cast<int>(sizeof(T)), MPI_BYTE, &type_);
+    MPI_Type_commit(&type_);
+  }
+  ItemType(const ItemType&) = delete;
+  ItemType& operator=(const ItemType&) = delete;
+  ~ItemType() { MPI_Type_free(&type_); }
+  operator MPI_Datatype() const { return type_; }
+
+ private:
+  MPI_Datatype type_ = MPI_DATATYPE_NULL;
+};
+
+/// Sends `outgoing[r]` to rank r; returns what came from each rank. Collective.
+template <class T>
+std::vector<std::vector<T>> all_to_all(MPI_Comm comm, const std::vector<std::vector<T>>& outgoing) {
+  const int n = size_of(comm);
+  if (n == 1) return outgoing;
+  std::vector<int> n_send(n), n_receive(n), send_at(n), receive_at(n);
+  std::size_t total_send = 0, total_receive = 0;
+  for (int r = 0; r < n; ++r) n_send[r] = static_cast<int>(outgoing[r].size());
+  MPI_Alltoall(n_send.data(), 1, MPI_INT, n_receive.data(), 1, MPI_INT, comm);
+  for (int r = 0; r < n; ++r) {
+    send_at[r] = static_cast<int>(total_send);
+    receive_at[r] = static_cast<int>(total_receive);
+    total_send += static_cast<std::size_t>(n_send[r]);
+    total_receive += static_cast<std::size_t>(n_receive[r]);
+  }
+  std::vector<T> send(total_send), receive(total_receive);
+  for (int r = 0; r < n; ++r) std::copy(outgoing[r].begin(), outgoing[r].end(), send.begin() + send_at[r]);
+  const ItemType<T> item;
+  MPI_Alltoallv(send.data(), n_send.data(), send_at.data(), item, receive.data(), n_receive.data(), receive_at.data(),
+                item, comm);
+  std::vector<std::vector<T>> incoming(n);
+  for (int r = 0; r < n; ++r)
+    incoming[r].assign(receive.begin() + receive_at[r], receive.begin() + receive_at[r] + n_receive[r]);
+  return incoming;
+}
+
+/// All ranks' items on rank 0, in rank order; empty elsewhere. Collective.
+template <class T>
+std::vector<T> gather_to_root(MPI_Comm comm, const std::vector<T>& local) {
+  std::vector<std::vector<T>> outgoing(static_cast<std::size_t>(size_of(comm)));
+  outgoing[0] = local;
+  const auto incoming = all_to_all(comm, outgoing);
+  std::vector<T> all;
+  for (const auto& part : incoming) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Rank 0's text on every rank. Collective.
+std::string broadcast(MPI_Comm comm, std::string text);
+
+/// The text of the lowest rank whose text is not empty, on every rank; empty where all are. Collective.
+std::string first_text(MPI_Comm comm, const std::string& text);
+
+}  // namespace kerf

@@ -1,0 +1,34 @@
+// Maps a plugin's kind and name to what it declares and to its maker.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kerf/plugin.hpp"
+
+namespace kerf {
+
+class Registry final : public Registrar {
+ public:
+  /// Throws std::runtime_error naming both origins where kind and name are taken already.
+  void add(Description description, Made (*make)()) override;
+
+  const Description* find(const std::string& kind, const std::string& name) const;  // null where absent
+  /// A new object with `type` and `description` set. Pre: find(kind, name) is not null.
+  Made make(const std::string& kind, const std::string& name) const;
+  std::vector<std::string> kinds() const;
+  std::vector<std::string> names(const std::string& kind) const;
+
+ private:
+  struct Entry {
+    Description description;
+    Made (*make)() = nullptr;
+  };
+  std::map<std::pair<std::string, std::string>, Entry> entries_;
+};
+
+/// Registers everything that was compiled in; defined in the table that CMake generates.
+void register_builtin_plugins(Registrar& registrar);
+
+}  // namespace kerf

@@ -1,0 +1,161 @@
+"""Reads what a run has written: results.vtkhdf, history.csv, erosion.csv and summary.json."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkThreshold
+from vtkmodules.vtkIOHDF import vtkHDFReader
+
+HIDDEN = 32  # the bit of vtkGhostType that hides a cell
+
+
+class ResultsError(Exception):
+    """A result that cannot be read, with a sentence that says what to do."""
+
+
+def read_summary(folder: Path) -> dict:
+    """summary.json, or an empty dictionary where the run has not written one."""
+    path = folder / "summary.json"
+    return json.loads(path.read_text()) if path.exists() else {}
+
+
+def read_history(path: Path) -> dict[str, np.ndarray]:
+    """The columns of a CSV file, named without their units: {'time': ..., 'kinetic': ...}."""
+    if not path.exists():
+        return {}
+    with path.open(newline="") as file:
+        rows = [row for row in csv.reader(file) if row]
+    if not rows:
+        return {}
+    names = [name.split("[")[0].strip() for name in rows[0]]
+    # A run that was killed may leave a last line that is not complete.
+    values = [row for row in rows[1:] if len(row) == len(names)]
+    table = np.array(values, dtype=float).reshape(len(values), len(names))
+    return {name: table[:, i] for i, name in enumerate(names)}
+
+
+class Results:
+    """The field results of one run, frame by frame."""
+
+    def __init__(self, folder: Path):
+        self.folder = Path(folder)
+        path = self.folder / "results.vtkhdf"
+        if not path.exists():
+            raise ResultsError(f"there is no {path}; did the run write field results (output.results_interval)?")
+        self._reader = vtkHDFReader()
+        self._reader.SetFileName(str(path))
+        self._reader.UpdateInformation()
+        information = self._reader.GetOutputInformation(0)
+        steps = vtkStreamingDemandDrivenPipeline.TIME_STEPS()
+        self.times = np.array(information.Get(steps) or [0.0])
+        self.summary = read_summary(self.folder)
+        self._part_names: dict[int, str] | None = None
+
+    def nearest_frame(self, time: float) -> int:
+        return int(np.argmin(np.abs(self.times - time)))
+
+    def spread_frames(self, count: int) -> list[int]:
+        """At most `count` frames, evenly spread in time, first and last included."""
+        wanted = np.linspace(self.times[0], self.times[-1], count)
+        return sorted({self.nearest_frame(time) for time in wanted})
+
+    def whole_grid(self, frame: int) -> vtkUnstructuredGrid:
+        """All cells of a frame, eroded ones too."""
+        self._reader.UpdateTimeStep(float(self.times[frame]))
+        output = self._reader.GetOutputDataObject(0)
+        if not isinstance(output, vtkUnstructuredGrid):
+            append = vtkAppendFilter()
+            for i in range(output.GetNumberOfPartitions()):
+                append.AddInputData(output.GetPartition(i))
+            append.Update()
+            output = append.GetOutput()
+        if output.GetNumberOfPoints() == 0:
+            raise ResultsError(f"{self.folder / 'results.vtkhdf'} holds no readable frame; is the run complete?")
+        grid = vtkUnstructuredGrid()
+        grid.ShallowCopy(output)
+        return grid
+
+    def grid(self, frame: int) -> vtkUnstructuredGrid:
+        """The cells of a frame that are alive."""
+        grid = self.whole_grid(frame)
+        alive = cell_array(grid, "alive")
+        if alive is None:
+            ghost = cell_array(grid, "vtkGhostType")
+            alive = np.ones(grid.GetNumberOfCells()) if ghost is None else (ghost & HIDDEN) == 0
+        # Filters would drop or keep hidden cells by rules of their own; `alive` alone decides here.
+        grid.GetCellData().RemoveArray("vtkGhostType")
+        grid.GetPointData().RemoveArray("vtkGhostType")
+        if np.all(alive):
+            return grid
+        return keep_cells(grid, alive)
+
+    def part_names(self) -> dict[int, str]:
+        """The name of each value of the cell array `part`."""
+        if self._part_names is None:
+            self._part_names = self._read_part_names()
+        return self._part_names
+
+    def _read_part_names(self) -> dict[int, str]:
+        grid = self.whole_grid(0)
+        part = cell_array(grid, "part")
+        numbers = [] if part is None else [int(number) for number in np.unique(part)]
+        with h5py.File(self.folder / "results.vtkhdf", "r") as file:
+            stored = file["Kerf/part_names"].asstr()[:] if "Kerf/part_names" in file else []
+        names = [str(name) for name in stored]
+        return {n: names[n] if n < len(names) and names[n] else f"part {n}" for n in numbers}
+
+
+def keep_cells(grid, keep: np.ndarray):
+    """The cells for which `keep` is not zero, with their data."""
+    mask = numpy_to_vtk(np.ascontiguousarray(keep != 0, dtype=np.uint8), deep=True)
+    mask.SetName("kept")
+    grid.GetCellData().AddArray(mask)
+    threshold = vtkThreshold()
+    threshold.SetInputData(grid)
+    threshold.SetInputArrayToProcess(0, 0, 0, 1, "kept")  # 1: cell data
+    threshold.SetLowerThreshold(0.5)
+    threshold.SetUpperThreshold(1.5)
+    threshold.SetThresholdFunction(vtkThreshold.THRESHOLD_BETWEEN)
+    threshold.Update()
+    return threshold.GetOutput()
+
+
+def cell_array(grid, name: str) -> np.ndarray | None:
+    array = grid.GetCellData().GetArray(name)
+    return None if array is None else vtk_to_numpy(array)
+
+
+def node_array(grid, name: str) -> np.ndarray | None:
+    array = grid.GetPointData().GetArray(name)
+    return None if array is None else vtk_to_numpy(array)
+
+
+def points(grid) -> np.ndarray:
+    """The coordinates of all nodes [m]."""
+    return vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
+
+
+def cell_centres(grid) -> np.ndarray:
+    """The mean of each cell's nodes [m]. Pre: all cells have the same number of nodes."""
+    n_cells = grid.GetNumberOfCells()
+    if n_cells == 0:
+        return np.zeros((0, 3))
+    connectivity = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
+    return points(grid)[connectivity.reshape(n_cells, -1)].mean(axis=1)
+
+
+def scalar_of(values: np.ndarray) -> np.ndarray:
+    """A field as one number per cell: the length of vectors, the largest size of tensors' entries."""
+    if values.ndim == 1:
+        return values.astype(float)
+    if values.shape[1] == 3:
+        return np.linalg.norm(values, axis=1)
+    return np.abs(values).max(axis=1)

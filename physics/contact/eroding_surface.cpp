@@ -1,0 +1,313 @@
+// Contact of any exterior nodes with any exterior facets of the chosen parts, as elements erode.
+//
+// Every node is pushed out of each body that it is inside of, to the closest point of that body's surface, if it is no
+// deeper than the facet's element is thick. Bodies are asked one by one: that a node is outside of one says nothing
+// about another. Nothing is remembered from step to step, so nothing can be lost when facets vanish, appear or move to
+// another rank. Facets are taken as four triangles round their centre, which closes the surface without gaps.
+#include <kerf/contact_geometry.hpp>
+
+#include <span>
+
+namespace {
+
+using namespace kerf;
+
+/// Closest point of a triangle to a point (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+struct Closest {
+  double a = 0.0, b = 0.0, c = 0.0;  // barycentric
+  bool inside = false;  // interior to the triangle
+};
+
+Closest closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return {1, 0, 0, false};
+  const Vec3 bp = p - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0.0 && d4 <= d3) return {0, 1, 0, false};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+    const double t = d1 - d3 > 0.0 ? d1 / (d1 - d3) : 0.0;
+    return {1 - t, t, 0, false};
+  }
+  const Vec3 cp = p - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0.0 && d5 <= d6) return {0, 0, 1, false};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+    const double t = d2 - d6 > 0.0 ? d2 / (d2 - d6) : 0.0;
+    return {1 - t, 0, t, false};
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
+    const double sum = (d4 - d3) + (d5 - d6);
+    const double t = sum > 0.0 ? (d4 - d3) / sum : 0.0;
+    return {0, 1 - t, t, false};
+  }
+  const double denominator = va + vb + vc;
+  if (!(denominator > 0.0)) return {1, 0, 0, false};
+  const double v = vb / denominator, w = vc / denominator;
+  return {1 - v - w, v, w, true};
+}
+
+/// The closest point of a facet, and on which side of it the node lies.
+struct Touch {
+  double weights[4] = {};
+  Vec3 direction;  // outward unit vector from the node to the point if below, from the point if above
+  double distance = 1e300;  // [m]
+  double side = 0.0;  // cosine between (node - point) and the normal there; negative below
+};
+
+Touch touch_facet(const FacetGeometry& g, Vec3 s) {
+  Touch best;
+  double best_alignment = -1.0;
+  for (int k = 0; k < 4; ++k) {
+    const int next = (k + 1) % 4;
+    const Closest c = closest_on_triangle(s, g.x[k], g.x[next], g.centre);
+    const Vec3 point = g.x[k] * c.a + g.x[next] * c.b + g.centre * c.c;
+    const Vec3 d = s - point;
+    const double distance = norm(d);
+    const Vec3 twice = cross(g.x[next] - g.x[k], g.centre - g.x[k]);
+    const double length = norm(twice);
+    if (!(length > 0.0)) continue;
+    const Vec3 normal = twice * (1.0 / length);
+    const double side = distance > 0.0 ? dot(d, normal) / distance : 0.0;
+    // Two triangles share the closest point on an edge: the one that faces the node decides the side.
+    const double tolerance = 1e-9 * g.size;
+    const bool nearer = distance < best.distance - tolerance;
+    const bool same = !nearer && distance <= best.distance + tolerance;
+    if (!nearer && !(same && std::fabs(side) > best_alignment)) continue;
+    best_alignment = std::fabs(side);
+    best = {};
+    best.weights[k] = c.a + 0.25 * c.c;
+    best.weights[next] = c.b + 0.25 * c.c;
+    best.weights[(k + 2) % 4] = 0.25 * c.c;
+    best.weights[(k + 3) % 4] = 0.25 * c.c;
+    best.distance = distance;
+    best.side = side;
+    best.direction = c.inside || !(distance > 0.0) ? normal : d * ((side < 0.0 ? -1.0 : 1.0) / distance);
+  }
+  return best;
+}
+
+struct ErodingSurface final : Contact {
+  std::vector<std::string> parts;
+  double penalty = 0.4, damping = 0.2, friction = 0.0, depth = 0.6, stability = 0.4;
+  static constexpr double same_way = 0.2;  // cosine between the normals of surfaces that cannot touch
+  static constexpr double opposing = -0.2;  // cosine between the normals of surfaces that may touch
+  static constexpr double straight_below = -0.95;  // cosine between the way to the closest point and the normal
+  static constexpr double flush = 0.05;  // height over a facet's plane, in its longest edge
+  static constexpr double straight_angle = 3.14159265358979323846;
+  bool self_contact = true;
+
+  static void describe(Schema<ErodingSurface>& s) {
+    s.texts(&ErodingSurface::parts, "parts", "parts or sets in contact with one another; all where absent").optional();
+    s.boolean(&ErodingSurface::self_contact, "self_contact", "whether a part touches itself").by_default("true");
+    s.real(&ErodingSurface::penalty, "penalty", "-", positive, "factor f of the penalty stiffness f K A^2 / V")
+        .by_default("0.4");
+    s.real(&ErodingSurface::stability, "stability", "-", between(0.0, 1.0),
+           "upper bound of the stiffness, in units of effective mass over dt squared")
+        .by_default("0.4");
+    s.real(&ErodingSurface::damping, "damping", "-", between(0.0, 1.0),
+           "damping of the normal motion, as a fraction of critical; takes the energy of nodes that are found deep "
+           "inside at "
+           "once, when elements round them erode")
+        .by_default("0.2");
+    s.real(&ErodingSurface::friction, "friction", "-", non_negative, "Coulomb friction coefficient").by_default("0");
+    s.real(&ErodingSurface::depth, "depth", "-", between(0.1, 1.0),
+           "greatest penetration that is pushed back, over the lesser of the thickness V/A of the facet's element and "
+           "the "
+           "facet's longest edge")
+        .by_default("0.6");
+    s.integer(&Contact::search_interval, "search_interval", positive, "cycles between two searches at most")
+        .by_default("10");
+  }
+
+  ContactRequest request() const override {
+    ContactRequest r;
+    r.slaves = parts;
+    r.masters = parts;
+    r.same_part = self_contact;
+    r.free_nodes = true;
+    return r;
+  }
+
+  // Whatever lies closer to a node than the facet that would push it must be a candidate too, for the closest facet
+  // decides: the reach covers the depth of facets as large as this one.
+  double reach(double longest_edge, double /*thickness*/) const override { return depth * longest_edge; }
+
+  void add_forces(const ContactView& view, ContactForces& forces) const override {
+    const std::vector<Slab> slabs = measure_slabs(view);
+    for (int i = 0; i < view.n_slaves; ++i) {
+      if (!near_any(view, i, slabs)) continue;
+      each_touch(view, i, [&](int facet, const Touch& t) {
+        const int node = view.slave[i];
+        const FacetGeometry g(view, facet);
+        const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
+        const double mass = effective_mass(view, node, n, t.weights);
+        const double stiffness = min_of(penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness,
+                                        stability * mass / (view.dt * view.dt));
+        const Vec3 v = relative_velocity(view, node, n, t.weights);
+        forces.add(node, n, t.weights,
+                   penalty_force({stiffness, damping, friction}, t.distance, t.direction, v, mass, view.dt));
+      });
+    }
+  }
+
+  int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
+    for (int i = 0; i < view.n_slaves; ++i) {
+      double deepest = 0.0;
+      each_touch(view, i, [&](int facet, const Touch& t) {
+        if (t.distance >= 1e-6 * FacetGeometry(view, facet).size) deepest = max_of(deepest, t.distance);
+      });
+      if (!(deepest > 0.0)) continue;
+      nodes.push_back(view.slave[i]);
+      depths.push_back(deepest);
+    }
+    return static_cast<int>(nodes.size());
+  }
+
+ private:
+  /// The flat cylinder below a facet that holds every node that the facet could push.
+  struct Slab {
+    Vec3 centre, normal;
+    double above = 0.0, below = 0.0;  // along the normal [m]
+    double radius_squared = 0.0;  // across it [m2]
+  };
+
+  std::vector<Slab> measure_slabs(const ContactView& view) const {
+    std::vector<Slab> slabs(static_cast<std::size_t>(view.n_facets));
+    for (int f = 0; f < view.n_facets; ++f) {
+      const FacetGeometry g(view, f);
+      const double deepest = depth * min_of(g.thickness, g.size);
+      double radius = 0.0, warp = 0.0;
+      for (int k = 0; k < 4; ++k) {
+        radius = max_of(radius, norm(g.x[k] - g.centre));
+        warp = max_of(warp, std::fabs(dot(g.x[k] - g.centre, g.normal)));
+      }
+      // A way to the closest point that is not straight down leads sideways by at most the depth.
+      const double across = radius + deepest;
+      slabs[f] = {g.centre, g.normal, 1e-6 * g.size + warp, 1.01 * deepest + warp, across * across};
+    }
+    return slabs;
+  }
+
+  /// Whether a slave is in the slab of one of its candidates; most are not, and cost no more than this.
+  bool near_any(const ContactView& view, int i, const std::vector<Slab>& slabs) const {
+    const Vec3 s = view.x(view.slave[i]);
+    for (std::int32_t c = view.first_candidate[i]; c < view.first_candidate[i + 1]; ++c) {
+      const Slab& slab = slabs[view.candidate[c]];
+      const Vec3 d = s - slab.centre;
+      const double height = dot(d, slab.normal);
+      if (height <= slab.above && height >= -slab.below && dot(d, d) - height * height <= slab.radius_squared)
+        return true;
+    }
+    return false;
+  }
+
+  /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
+  /// hence by part.
+  template <class Push>
+  void each_touch(const ContactView& view, int i, const Push& push) const {
+    const Vec3 own = own_normal(view, i);
+    const std::int32_t* from = view.candidate + view.first_candidate[i];
+    const std::int32_t* end = view.candidate + view.first_candidate[i + 1];
+    while (from != end) {
+      const std::int32_t* to = from;
+      while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
+      Touch t;
+      const int facet = locate(view, view.slave[i], own, {from, to}, t);
+      if (facet >= 0) push(facet, t);
+      from = to;
+    }
+  }
+
+  /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
+  /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
+  int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets, Touch& best) const {
+    const Vec3 s = view.x(node);
+    const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
+    int found = -1;
+    double found_size = 0.0;
+    for (const std::int32_t f : facets) {
+      const FacetGeometry g(view, f);
+      const double within = reach(g.size, g.thickness);
+      const Vec3 d = s - g.centre;
+      if (!(dot(d, d) < (within + g.size) * (within + g.size))) continue;
+      // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
+      if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(d, g.normal)) < flush * g.size) continue;
+      const Touch t = touch_facet(g, s);
+      if (!(t.distance <= within)) continue;
+      const double tolerance = 1e-9 * max_of(g.size, found_size);
+      const bool nearer = found < 0 || t.distance < best.distance - tolerance;
+      const bool same = !nearer && t.distance <= best.distance + tolerance;
+      if (!nearer && !(same && std::fabs(t.side) > std::fabs(best.side))) continue;
+      best = t;
+      found = f;
+      found_size = g.size;
+    }
+    if (found < 0) return -1;
+    const FacetGeometry g(view, found);
+    if (best.distance > depth * min_of(g.thickness, g.size)) return -1;
+    // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
+    // straight below a facet that faces the node is believed to be inside.
+    if (same_part)
+      return best.side < straight_below && (dot(own, own) == 0.0 || dot(own, g.normal) < opposing) ? found : -1;
+    if (std::fabs(best.side) > 1.0 - 1e-9) return best.side < 0.0 ? found : -1;
+    // Below an edge or a corner the surface as a whole decides.
+    Vec3 point;
+    for (int k = 0; k < 4; ++k) point = point + g.x[k] * best.weights[k];
+    const Vec3 away = s - point;
+    if (!(dot(away, normal_at(view, facets, point)) < 0.0)) return -1;
+    best.direction = away * (-1.0 / best.distance);
+    return found;
+  }
+
+  /// Sum of the normals of all triangles that hold a point of a body's surface, each weighted by the angle that it
+  /// takes up there: a point near an edge or a corner is inside just where it lies below this normal (Baerentzen &
+  /// Aanaes, "Signed distance computation using the angle weighted pseudonormal", IEEE TVCG 11 (2005) 243-253).
+  Vec3 normal_at(const ContactView& view, std::span<const std::int32_t> facets, Vec3 point) const {
+    Vec3 sum;
+    for (const std::int32_t f : facets) {
+      const FacetGeometry g(view, f);
+      const double tolerance = 1e-7 * g.size;
+      const Vec3 d = point - g.centre;
+      if (!(dot(d, d) < 2.0 * g.size * g.size)) continue;
+      for (int k = 0; k < 4; ++k) {
+        const Vec3 corner[3] = {g.x[k], g.x[(k + 1) % 4], g.centre};
+        const Closest c = closest_on_triangle(point, corner[0], corner[1], corner[2]);
+        if (norm(corner[0] * c.a + corner[1] * c.b + corner[2] * c.c - point) > tolerance) continue;
+        const Vec3 twice = cross(corner[1] - corner[0], corner[2] - corner[0]);
+        const double length = norm(twice);
+        if (!(length > 0.0)) continue;
+        double angle = straight_angle;
+        for (int m = 0; m < 3; ++m)
+          if (norm(point - corner[m]) <= tolerance)
+            angle = angle_at(corner[m], corner[(m + 1) % 3], corner[(m + 2) % 3]);
+        sum = sum + twice * (angle / length);
+      }
+    }
+    return sum;
+  }
+
+  static double angle_at(Vec3 corner, Vec3 a, Vec3 b) {
+    const Vec3 u = a - corner, v = b - corner;
+    return std::acos(clamp_to(dot(u, v) / (norm(u) * norm(v)), -1.0, 1.0));
+  }
+
+  /// Unit normal of the surface around a slave, zero for a free node, which has no surface.
+  Vec3 own_normal(const ContactView& view, int i) const {
+    Vec3 own;
+    for (std::int32_t a = view.first_around[i]; a < view.first_around[i + 1]; ++a) {
+      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(view.around[a]);
+      own = own + cross(view.x(n[2]) - view.x(n[0]), view.x(n[3]) - view.x(n[1]));
+    }
+    const double length = norm(own);
+    return length > 0.0 ? own * (1.0 / length) : Vec3{};
+  }
+};
+
+}  // namespace
+
+KERF_CONTACT(ErodingSurface, "eroding_surface",
+             "any exterior facets against any exterior nodes, with facets opened by erosion and free nodes")

@@ -1,0 +1,257 @@
+"""A run that goes wrong, is stopped or is killed says where and when, and leaves results that can be read."""
+
+import os
+import re
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy as np
+import pytest
+from vtkmodules.vtkIOHDF import vtkHDFReader
+
+from input_case import GOOD, KERF, kerf, on_ranks, settings, spoiled, summary_of
+
+# Without erosion, so that nothing saves an element that goes wrong.
+PLAIN = spoiled([(GOOD[GOOD.index("    erosion:"):GOOD.index("\nparts:")], "")])
+
+SLIDE = "[{{type: slide_surface, slave: striker, master: target, penalty: {}}}]"
+
+# What makes a run fail: (settings, message; NODE and ELEMENT stand for "node 7 (part rod, rank 0)").
+FAILURES = {
+    "inverted element": (
+        {"contacts": SLIDE.format(1000), "time.end": "20 us"},
+        r"ELEMENT is inverted \(its volume is not positive\); give its material the erosion criterion inversion, refine "
+        r"the mesh, or use more hourglass control; at TIME"),
+    "stress that is no number": (
+        {"materials.copper.eos": "{type: linear_polynomial, C1: 130 GPa, C2: 1.0e+300, C3: 1.0e+300}"},
+        r"the forces of ELEMENT are not finite or beyond all bounds at TIME"),
+    "speed beyond all numbers": (
+        {"parameters.speed": "0 0 -1.0e+200 m/s"},
+        r"ELEMENT is inverted .* at TIME"),
+    "contact that makes energy": (
+        {"contacts": SLIDE.format(20), "time.end": "20 us"},
+        r"the energy balance is off by \d+\.\d\d %, more than checks.energy_growth of 5.00 %, at TIME; the highest "
+        r"energy per mass, \S+ J/kg, is in ELEMENT"),
+    "contact that is far too stiff": (
+        {"contacts": SLIDE.format(1.0e9), "time.end": "20 us", "checks.energy_growth": "1.0e+12"},
+        r"the contact force on NODE is not finite or beyond all bounds at TIME"),
+    "time step that collapses": (
+        {"time.minimum_step": "170 ns"},
+        r"the stable time step of ELEMENT is \S+ s \(times safety_factor 0.9\), below the minimum of 1.7e-07 s; give its "
+        r"material the erosion criterion minimum_time_step or lower time.minimum_step; at TIME"),
+    "node that is too fast": (
+        {"checks.maximum_speed": "100 m/s"},
+        r"NODE moves at 200 m/s, faster than 100 m/s at TIME"),
+}
+
+
+def pattern(message):
+    return (message.replace("ELEMENT", r"element \d+ \(part (target|striker), rank \d\)")
+            .replace("NODE", r"node \d+ \(part (target|striker), rank \d\)")
+            .replace("TIME", r"time \S+ s, cycle \d+"))
+
+
+def frames(folder):
+    """Times of the frames, after a look at every one with the reader that ParaView uses."""
+    path = str(folder / "results.vtkhdf")
+    reader = vtkHDFReader()
+    assert reader.CanReadFile(path)
+    reader.SetFileName(path)
+    reader.UpdateInformation()
+    with h5py.File(path) as file:
+        times = file["VTKHDF/Steps/Values"][()]
+        assert file["VTKHDF/Steps"].attrs["NSteps"] == len(times)
+    assert reader.GetNumberOfSteps() == len(times)
+    for step in range(len(times)):
+        reader.SetStep(step)
+        reader.Update()
+        grid = reader.GetOutput()
+        assert grid.GetNumberOfCells() > 0 and grid.GetCellData().GetArray("pressure").GetNumberOfTuples() > 0
+    return times
+
+
+@pytest.fixture
+def case(tmp_path):
+    (tmp_path / "case.yaml").write_text(PLAIN)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", FAILURES, ids=lambda name: name.replace(" ", "_"))
+def test_stops_on_all_ranks_and_says_where(name, case):
+    """Exit code 3; the same words on any number of ranks, but for the rank."""
+    changes, message = FAILURES[name]
+    said = []
+    for ranks in (1, 2):
+        done = kerf("run", "case.yaml", "--output", f"out{ranks}", *on_ranks(ranks), *settings(changes), cwd=case)
+        assert done.returncode == 3, done.stdout + done.stderr
+        found = re.fullmatch(r"case.yaml: error: the run stopped: (.*)\n", done.stderr)
+        assert found and re.fullmatch(pattern(message), found[1]), done.stderr
+        summary = summary_of(case / f"out{ranks}")
+        assert summary["exit"] == found[1] and summary["ranks"] == ranks
+        times = frames(case / f"out{ranks}")
+        assert len(times) >= 2 and times[0] == 0.0, "the start and the end are there"
+        stopped = float(re.search(r"time (\S+) s, cycle", found[1])[1])
+        assert times[-1] == pytest.approx(stopped, rel=1e-5), "the last frame shows the failure"
+        rows = (case / f"out{ranks}" / "history.csv").read_text().splitlines()
+        assert float(rows[-1].split(",")[0]) == pytest.approx(stopped, rel=1e-5)
+        said.append(re.sub(r"rank \d", "rank", found[1]))
+    if name == "contact that is far too stiff":  # of many such nodes any may be named
+        said = [re.sub(r"node \d+", "node", text) for text in said]
+    assert said[0] == said[1]
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_step_that_is_too_small_from_the_start(command, case):
+    done = kerf(command, "case.yaml", "--set", "time.minimum_step=1 us", cwd=case)
+    assert done.returncode == 3
+    found = re.fullmatch(r"case.yaml: error: the run cannot start: (.*)\n", done.stderr)
+    assert found and re.fullmatch(pattern(FAILURES["time step that collapses"][1]).replace("1.7e-07", "1e-06"),
+                                  found[1]), done.stderr
+
+
+# ---- Stopping and killing: a finer mesh, so that there is time for it.
+LONG = {"time.end": "6 us", "parts.target.mesh.cells": "[20, 20, 10]", "parts.striker.mesh.cells": "[10, 10, 10]",
+        "output.results_interval": "0.2 us", "output.progress_interval": "10",
+        "balance.force_interval": "25"}  # migration, too, must not matter
+
+
+def start(folder, ranks, changes, output="out"):
+    """A run of LONG that has shown at least three progress lines, in a process group of its own."""
+    words = [KERF, "run", "case.yaml", "--output", output, *map(str, on_ranks(ranks)), *settings(changes)]
+    process = subprocess.Popen(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)
+    seen = 0
+    while seen < 3:
+        line = process.stdout.readline()
+        assert line, process.stderr.read()
+        seen += line.startswith("cycle ")
+    return process
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("uninterrupted")
+    (folder / "case.yaml").write_text(PLAIN)
+    done = kerf("run", "case.yaml", "--output", "out", *settings(LONG), cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def columns(folder):
+    return np.genfromtxt(folder / "history.csv", delimiter=",", skip_header=1)
+
+
+@pytest.mark.parametrize("ranks, later", [(1, 2), (2, 3), (2, 1)])
+def test_a_stopped_run_goes_on_to_the_same_bits(ranks, later, case, uninterrupted):
+    process = start(case, ranks, LONG)
+    process.send_signal(signal.SIGTERM)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 4, out + err
+    assert err.startswith("stopped by a signal; go on with: kerf run case.yaml --output out --resume --set ")
+    first = summary_of(case / "out")
+    assert first["exit"] == "signal" and 0.0 < first["end_time"] < 6.0e-6
+    assert frames(case / "out")[-1] == pytest.approx(first["end_time"], rel=1e-12)
+
+    done = kerf("run", "case.yaml", "--output", "out", "--resume", *on_ranks(later), *settings(LONG), cwd=case)
+    assert done.returncode == 0, done.stderr
+    summary, whole = summary_of(case / "out"), summary_of(uninterrupted / "out")
+    assert summary["exit"] == "completed"
+    assert summary["state_hash"] == whole["state_hash"]
+    assert summary["cycles"] == whole["cycles"]
+    assert summary["energy"] == whole["energy"]
+    # The files go on as if nothing had been: a frame and a row for the stop may have come on top.
+    expected = frames(uninterrupted / "out")
+    assert set(np.round(expected, 15)) <= set(np.round(frames(case / "out"), 15))
+    here, there = columns(case / "out"), columns(uninterrupted / "out")
+    assert np.all(np.diff(here[:, 0]) > 0.0)
+    kept = here[np.isin(here[:, 0], there[:, 0])]
+    assert len(kept) == len(there)
+    np.testing.assert_array_equal(kept[:, :-1], there[:, :-1])  # the last column is the imbalance of the ranks
+
+
+def test_a_run_that_mpirun_was_asked_to_stop(case):
+    """`kerf run --ranks` passes on the interrupt key as well."""
+    process = start(case, 2, LONG)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 4, err
+    assert (case / "out" / "restart" / "restart.h5").exists()
+
+
+def descendants(pid):
+    """A process and all that it started."""
+    text = subprocess.run(["ps", "-e", "-o", "pid=,ppid="], capture_output=True, text=True).stdout
+    parents = [tuple(map(int, line.split())) for line in text.splitlines()]
+    found = [pid]
+    for p in found:
+        found += [child for child, parent in parents if parent == p]
+    return found
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_killed_run_leaves_results_that_can_be_read(ranks, case):
+    process = start(case, ranks, LONG)
+    for pid in descendants(process.pid):
+        os.kill(pid, signal.SIGKILL)
+    process.communicate(timeout=60)
+    assert process.returncode == -signal.SIGKILL
+    times = frames(case / "out")
+    assert len(times) >= 1 and times[0] == 0.0 and np.all(np.diff(times) > 0.0)
+    assert len(columns(case / "out")) >= 2
+    assert not (case / "out" / "summary.json").exists()
+    # There is nothing to go on from, and the program says so.
+    done = kerf("run", "case.yaml", "--output", "out", "--resume", *settings(LONG), cwd=case)
+    assert done.returncode == 2 and "there is no restart file to resume from" in done.stderr
+
+
+def test_a_killed_run_goes_on_from_its_last_restart_file(case, uninterrupted):
+    process = start(case, 1, LONG | {"output.restart_interval": "0.1 us"})
+    while not (case / "out" / "restart" / "restart.h5").exists():
+        time.sleep(0.02)
+    process.kill()
+    process.communicate(timeout=60)
+    done = kerf("run", "case.yaml", "--output", "out", "--resume", *settings(LONG), cwd=case)
+    assert done.returncode == 0, done.stderr
+    assert summary_of(case / "out")["state_hash"] == summary_of(uninterrupted / "out")["state_hash"]
+    frames(case / "out")
+
+
+def test_ranks_do_not_outlive_the_command_that_started_them(case):
+    process = start(case, 2, LONG | {"time.end": "1 s"})
+    children = descendants(process.pid)[1:]
+    assert len(children) >= 3, "mpirun and two ranks"
+    process.kill()
+    process.communicate(timeout=60)
+    for _ in range(200):
+        left = [pid for pid in children if os.path.exists(f"/proc/{pid}")]
+        if not left:
+            break
+        time.sleep(0.1)
+    for pid in left:
+        os.kill(pid, signal.SIGKILL)
+    assert not left
+    assert summary_of(case / "out")["exit"] == "signal", "they stopped in good order"
+
+
+def test_a_restart_file_of_another_model_is_refused(case):
+    process = start(case, 1, LONG)
+    process.terminate()
+    process.communicate(timeout=60)
+    done = kerf("run", "case.yaml", "--output", "out", "--resume", "--set", "parts.striker.mesh.origin=1 1 2.2 mm",
+                *settings(LONG), cwd=case)
+    assert done.returncode == 2
+    assert done.stderr == ("out/restart/restart.h5: error: this restart file belongs to another model; resume with the "
+                           "input that wrote it (materials, parts, sets, boundaries and contacts must be the same)\n")
+    assert summary_of(case / "out")["exit"] == "signal", "what was there is left alone"
+
+
+def test_a_new_run_does_not_leave_an_older_restart_file_to_be_resumed(case):
+    process = start(case, 1, LONG)
+    process.terminate()
+    process.communicate(timeout=60)
+    done = kerf("run", "case.yaml", "--output", "out", cwd=case)
+    assert done.returncode == 0
+    assert not (case / "out" / "restart" / "restart.h5").exists()
+    assert (case / "out" / "restart" / "earlier_run.h5").exists()

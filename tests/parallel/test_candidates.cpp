@@ -1,0 +1,284 @@
+// The candidate search against brute force over all slaves and facets: no pair missed, none that must not be there,
+// and after changes of the surface the same as a search from scratch. Every rank runs it by itself.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "dynamics/candidate_search.hpp"
+#include "kerf/math.hpp"
+#include "mesh/surface.hpp"
+
+namespace {
+
+using namespace kerf;
+
+using Pair = std::pair<std::int64_t, std::int64_t>;  // slave id, facet id
+
+/// Blocks of hexahedra with displaced nodes, of which some elements are dead: a surface with all its neighbourhood.
+class RandomSurface {
+ public:
+  explicit RandomSurface(unsigned seed) : random_(seed) {
+    for (int part = 0; part < 3; ++part) add_block(part);
+  }
+
+  std::vector<ContactNodeRecord> slaves;
+  std::vector<ContactFacetRecord> facets;
+
+  double real(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  std::mt19937& random() { return random_; }
+
+  /// Kills an element: its facets vanish, those that it covered appear, and nodes become slaves.
+  void kill(std::int64_t element, std::vector<ContactFacetRecord>& opened, std::vector<ContactNodeRecord>& joined) {
+    alive_.at(element) = false;
+    std::erase_if(facets, [&](const ContactFacetRecord& f) { return f.id / 8 == element; });
+    for (int face = 0; face < 6; ++face) {
+      const auto other = neighbour(element, face);
+      if (other.first < 0 || !alive_.at(other.first)) continue;
+      facets.push_back(facet(other.first, other.second));
+      opened.push_back(facets.back());
+      for (const std::int64_t id : facets.back().nodes)
+        if (is_slave_.insert(id).second) {
+          slaves.push_back(node(id));
+          joined.push_back(slaves.back());
+        }
+    }
+  }
+  std::vector<std::int64_t> live_elements() const {
+    std::vector<std::int64_t> ids;
+    for (const auto& [id, live] : alive_)
+      if (live) ids.push_back(id);
+    return ids;
+  }
+
+ private:
+  static constexpr int n_ = 4;  // cells along an edge
+  static std::int64_t node_id(int part, int i, int j, int k) {
+    return (((part * 8LL + k) * 8 + j) * 8 + i) * 1000003LL;
+  }
+  static std::int64_t element_id(int part, int i, int j, int k) { return ((part * 8LL + k) * 8 + j) * 8 + i; }
+
+  void add_block(int part) {
+    const Vec3 corner{real(0.0, 3.0), real(0.0, 3.0), real(0.0, 3.0)};
+    for (int k = 0; k <= n_; ++k)
+      for (int j = 0; j <= n_; ++j)
+        for (int i = 0; i <= n_; ++i) {
+          ContactNodeRecord r;
+          r.id = node_id(part, i, j, k);
+          r.part = part;
+          const Vec3 x = corner + Vec3{i + real(-0.4, 0.4), j + real(-0.4, 0.4), k + real(-0.4, 0.4)};
+          for (int d = 0; d < 3; ++d) {
+            r.position[d] = x[d];
+            r.own_position[d] = x[d] + 0.3 * part;  // each part drifts in its own way
+          }
+          r.allowance = std::pow(10.0, real(-3.0, -0.3));
+          r.own_allowance = std::pow(10.0, real(-3.0, -0.3));
+          r.role = static_cast<std::uint32_t>(1 + random_() % 3);
+          nodes_[r.id] = r;
+        }
+    for (int k = 0; k < n_; ++k)
+      for (int j = 0; j < n_; ++j)
+        for (int i = 0; i < n_; ++i) {
+          alive_[element_id(part, i, j, k)] = true;
+          roles_[element_id(part, i, j, k)] = static_cast<std::uint32_t>(1 + random_() % 3);
+        }
+    for (int k = 0; k < n_; ++k)
+      for (int j = 0; j < n_; ++j)
+        for (int i = 0; i < n_; ++i)
+          for (int face = 0; face < 6; ++face) {
+            if (neighbour(element_id(part, i, j, k), face).first >= 0) continue;
+            facets.push_back(facet(element_id(part, i, j, k), face));
+            for (const std::int64_t id : facets.back().nodes)
+              if (is_slave_.insert(id).second) slaves.push_back(node(id));
+          }
+  }
+
+  std::array<std::int64_t, 8> corners(std::int64_t e) const {
+    const int i = e % 8, j = e / 8 % 8, k = e / 64 % 8, p = static_cast<int>(e / 512);
+    return {node_id(p, i, j, k),
+            node_id(p, i + 1, j, k),
+            node_id(p, i + 1, j + 1, k),
+            node_id(p, i, j + 1, k),
+            node_id(p, i, j, k + 1),
+            node_id(p, i + 1, j, k + 1),
+            node_id(p, i + 1, j + 1, k + 1),
+            node_id(p, i, j + 1, k + 1)};
+  }
+  /// The element on the other side of a face and its number of that face; -1 where the block ends.
+  std::pair<std::int64_t, int> neighbour(std::int64_t e, int face) const {
+    static constexpr int step[6][3] = {{0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
+    const int at[3] = {static_cast<int>(e % 8), static_cast<int>(e / 8 % 8), static_cast<int>(e / 64 % 8)};
+    int to[3];
+    for (int d = 0; d < 3; ++d) {
+      to[d] = at[d] + step[face][d];
+      if (to[d] < 0 || to[d] >= n_) return {-1, 0};
+    }
+    return {element_id(static_cast<int>(e / 512), to[0], to[1], to[2]), opposite_face[face]};
+  }
+  const ContactNodeRecord& node(std::int64_t id) const { return nodes_.at(id); }
+
+  ContactFacetRecord facet(std::int64_t element, int face) {
+    ContactFacetRecord f;
+    f.id = element * 8 + face;
+    f.part = static_cast<std::int32_t>(element / 512);
+    f.role = roles_.at(element);
+    const auto c = corners(element);
+    const double reach = 0.3 * scatter_of(f.id);
+    for (int d = 0; d < 3; ++d) {
+      f.low[d] = f.own_low[d] = 1e300;
+      f.high[d] = f.own_high[d] = -1e300;
+    }
+    for (int k = 0; k < 4; ++k) {
+      f.nodes[k] = c[hex_face[face][k]];
+      f.opposite[k] = c[hex_face[opposite_face[face]][k]];
+      const ContactNodeRecord& n = node(f.nodes[k]);
+      f.allowance = std::max(f.allowance, n.allowance);
+      f.own_allowance = std::max(f.own_allowance, n.own_allowance);
+      for (int d = 0; d < 3; ++d) {
+        f.low[d] = std::min(f.low[d], n.position[d] - reach);
+        f.high[d] = std::max(f.high[d], n.position[d] + reach);
+        f.own_low[d] = std::min(f.own_low[d], n.own_position[d] - reach);
+        f.own_high[d] = std::max(f.own_high[d], n.own_position[d] + reach);
+      }
+    }
+    return f;
+  }
+  static double scatter_of(std::int64_t id) { return static_cast<double>(id * 2654435761LL % 1000) * 1e-3; }
+
+  std::mt19937 random_;
+  std::map<std::int64_t, ContactNodeRecord> nodes_;
+  std::map<std::int64_t, bool> alive_;
+  std::map<std::int64_t, std::uint32_t> roles_;
+  std::set<std::int64_t> is_slave_;
+};
+
+/// Whether the inflated boxes meet; `slack` is in the same unit.
+bool meet(const ContactNodeRecord& s, const ContactFacetRecord& f, double slack) {
+  const bool own = s.part == f.part;
+  const double near = (own ? s.own_allowance + f.own_allowance : s.allowance + f.allowance) + slack;
+  for (int d = 0; d < 3; ++d) {
+    const double x = own ? s.own_position[d] : s.position[d];
+    if (x + near < (own ? f.own_low[d] : f.low[d]) || x - near > (own ? f.own_high[d] : f.high[d])) return false;
+  }
+  return true;
+}
+
+/// All pairs by brute force, as find_candidates documents them.
+std::set<Pair> all_pairs(const RandomSurface& surface, bool same_part, double slack) {
+  std::map<std::int64_t, std::set<std::int64_t>> ring;
+  for (const ContactNodeRecord& s : surface.slaves) ring[s.id] = {s.id};
+  for (const ContactFacetRecord& f : surface.facets)
+    for (const std::int64_t id : f.nodes) ring[id].insert(f.nodes, f.nodes + 4);
+  std::set<Pair> pairs;
+  for (const ContactNodeRecord& s : surface.slaves)
+    for (const ContactFacetRecord& f : surface.facets) {
+      if ((s.role & f.role) == 0 || !meet(s, f, slack)) continue;
+      if (s.part == f.part) {
+        if (!same_part) continue;
+        const auto& near = ring[s.id];
+        const auto touches = [&](std::int64_t id) { return near.count(id) != 0; };
+        if (std::any_of(f.nodes, f.nodes + 4, touches) || std::any_of(f.opposite, f.opposite + 4, touches)) continue;
+      }
+      pairs.insert({s.id, f.id});
+    }
+  return pairs;
+}
+
+std::set<Pair> pairs_of(const Candidates& c) {
+  std::set<Pair> pairs;
+  for (std::size_t s = 0; s < c.slave.size(); ++s)
+    for (std::int32_t i = c.first_candidate[s]; i < c.first_candidate[s + 1]; ++i)
+      pairs.insert({c.node_id[c.slave[s]], c.facet_id[c.candidate[i]]});
+  return pairs;
+}
+
+void expect_complete(const RandomSurface& surface, const Candidates& found, bool same_part, const std::string& what) {
+  const std::set<Pair> pairs = pairs_of(found), needed = all_pairs(surface, same_part, 0.0);
+  // Single precision of coordinates up to 10, rounded outwards.
+  const std::set<Pair> allowed = all_pairs(surface, same_part, 1e-4);
+  EXPECT_TRUE(std::includes(pairs.begin(), pairs.end(), needed.begin(), needed.end())) << what << ": pairs are missing";
+  EXPECT_TRUE(std::includes(allowed.begin(), allowed.end(), pairs.begin(), pairs.end())) << what << ": too many pairs";
+  EXPECT_GT(needed.size(), 100u);
+}
+
+/// Rows are sorted by facet id; what they refer to is what the records said.
+void expect_well_formed(const RandomSurface& surface, const Candidates& c) {
+  ASSERT_EQ(c.first_candidate.size(), c.slave.size() + 1);
+  ASSERT_EQ(c.first_around.size(), c.slave.size() + 1);
+  std::map<std::int64_t, const ContactFacetRecord*> facet;
+  std::map<std::int64_t, std::set<std::int64_t>> around;
+  for (const ContactFacetRecord& f : surface.facets) {
+    facet[f.id] = &f;
+    for (const std::int64_t id : f.nodes) around[id].insert(f.id);
+  }
+  for (std::size_t s = 0; s < c.slave.size(); ++s) {
+    ASSERT_LT(c.first_candidate[s], c.first_candidate[s + 1]) << "a slave without candidates is listed";
+    const auto by_id = [&](std::int32_t a, std::int32_t b) { return c.facet_id[a] < c.facet_id[b]; };
+    EXPECT_TRUE(
+        std::is_sorted(&c.candidate[c.first_candidate[s]], c.candidate.data() + c.first_candidate[s + 1], by_id));
+    std::vector<std::int64_t> listed;
+    for (std::int32_t i = c.first_around[s]; i < c.first_around[s + 1]; ++i) listed.push_back(c.facet_id[c.around[i]]);
+    EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end()));
+    const auto& expected = around[c.node_id[c.slave[s]]];
+    EXPECT_TRUE(std::set<std::int64_t>(listed.begin(), listed.end()) == expected) << "node " << c.node_id[c.slave[s]];
+  }
+  for (std::size_t f = 0; f < c.facet_id.size(); ++f) {
+    const auto it = facet.find(c.facet_id[f]);
+    ASSERT_NE(it, facet.end()) << "facet " << c.facet_id[f] << " is gone";
+    EXPECT_EQ(c.facet_part[f], it->second->part);
+    for (int k = 0; k < 4; ++k) EXPECT_EQ(c.node_id[c.facet_nodes[4 * f + k]], it->second->nodes[k]);
+  }
+}
+
+TEST(CandidateSearch, misses_no_pair) {
+  for (unsigned seed = 0; seed < 12; ++seed)
+    for (const bool same_part : {true, false}) {
+      RandomSurface surface(seed);
+      std::shuffle(surface.facets.begin(), surface.facets.end(), surface.random());
+      const Candidates found = CandidateSearch(surface.slaves, surface.facets, same_part).candidates();
+      expect_complete(surface, found, same_part, "seed " + std::to_string(seed));
+      expect_well_formed(surface, found);
+    }
+}
+
+TEST(CandidateSearch, misses_no_pair_while_the_surface_changes) {
+  for (unsigned seed = 20; seed < 26; ++seed)
+    for (const bool same_part : {true, false}) {
+      RandomSurface surface(seed);
+      CandidateSearch search(surface.slaves, surface.facets, same_part);
+      for (int round = 0; round < 8; ++round) {
+        std::vector<std::int64_t> live = surface.live_elements(), dead;
+        std::vector<ContactFacetRecord> opened;
+        std::vector<ContactNodeRecord> joined;
+        std::shuffle(live.begin(), live.end(), surface.random());
+        for (int k = 0; k < 1 + round; ++k) {
+          dead.push_back(live[static_cast<std::size_t>(k)]);
+          surface.kill(dead.back(), opened, joined);
+        }
+        // A face opened by one death may belong to the next one to die.
+        std::erase_if(opened, [&](const ContactFacetRecord& f) {
+          return std::find(dead.begin(), dead.end(), f.id / 8) != dead.end();
+        });
+        search.change(dead, opened, joined);
+        const std::string what = "seed " + std::to_string(seed) + ", round " + std::to_string(round);
+        expect_complete(surface, search.candidates(), same_part, what);
+        expect_well_formed(surface, search.candidates());
+        // Not only enough: the very pairs of a search from scratch.
+        const Candidates fresh = CandidateSearch(surface.slaves, surface.facets, same_part).candidates();
+        EXPECT_TRUE(pairs_of(search.candidates()) == pairs_of(fresh)) << what;
+      }
+    }
+}
+
+TEST(CandidateSearch, finds_nothing_where_there_is_nothing) {
+  const RandomSurface surface(1);
+  EXPECT_TRUE(CandidateSearch({}, surface.facets, true).candidates().slave.empty());
+  EXPECT_TRUE(CandidateSearch(surface.slaves, {}, true).candidates().slave.empty());
+  EXPECT_TRUE(CandidateSearch({}, {}, true).candidates().slave.empty());
+}
+
+}  // namespace

@@ -1,0 +1,144 @@
+// The contact engine against brute force: whatever moves, however fast, whatever dies and wherever it lives, the
+// forces are those of all slaves against all facets, to the last bit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "dynamics/setup.hpp"
+#include "parallel/communicator.hpp"
+#include "parallel/lookout.hpp"
+#include "parallel/scene.hpp"
+
+namespace {
+
+using namespace kerf;
+using namespace kerf::test;
+
+/// Two blocks above one another and a strip that is bent until its ends overlap; limp, so that any motion will do.
+std::string limp_bodies(const std::string& contact, int force_interval) {
+  return R"(
+time: {end: 6e-6, safety_factor: 1}
+materials:
+  limp:
+    density: 7850
+    strength: {type: elastic, shear_modulus: 80e9}
+    eos: {type: linear, bulk_modulus: 160e9}
+    erosion: {criteria: [{type: fuse}]}
+parts:
+  lower: {material: limp, element: {type: limp}, mesh: {type: block, size: [5e-3, 5e-3, 2e-3], cells: [5, 5, 2]}}
+  upper:
+    material: limp
+    element: {type: limp}
+    mesh: {type: block, size: [3e-3, 3e-3, 3e-3], cells: [4, 3, 3]}
+    placement: [{angle: 0.3, translate: [1.2e-3, 0.5e-3, 2.2e-3]}]
+  strip:
+    material: limp
+    element: {type: limp}
+    mesh: {type: block, size: [16e-3, 2e-3, 1e-3], cells: [16, 2, 1]}
+    placement: [{translate: [0, 8e-3, 0]}]
+balance: {force_interval: )" +
+         std::to_string(force_interval) + "}\ncontacts:\n  - " + contact + "\n";
+}
+
+/// Moves all copies of all nodes along paths that are functions of node and time alone.
+class Puppeteer final : public StepObserver {
+ public:
+  Puppeteer(const Simulation& simulation, std::uint64_t seed) : simulation_(simulation), seed_(seed) {
+    for (std::int64_t id = 0; id < simulation.model().n_nodes; ++id)
+      start_.push_back(reference_position(simulation.model(), id));
+  }
+
+  ForceComparison comparison;
+
+  void before_forces(Model& model, const Step& step) override {
+    for (int i = 0; i < model.nodes.n(); ++i) {
+      const Vec3 from = path(model, i, step.start), to = path(model, i, step.end());
+      model.nodes.set_x(i, to);
+      model.nodes.set_v(i, (to - from) * (1.0 / step.dt));
+    }
+  }
+  void after_forces(Model&, const Step& step) override {
+    if (step.cycle % 2 == 0) compare_contact_forces(simulation_, step, comparison);
+  }
+
+ private:
+  /// To and fro at constant speed.
+  static double sway(double time, double period) {
+    return 4.0 * std::fabs(time / period - std::floor(time / period) - 0.5) - 1.0;
+  }
+  /// Time that stands still and then catches up, within every 0.9 us: a search during the rest cannot foresee the dash.
+  static double fitful(double time) {
+    constexpr double period = 0.9e-6, rest = 0.6;
+    const double whole = std::floor(time / period), part = time / period - whole;
+    return period * (whole + (part < rest ? 0.0 : (part - rest) / (1.0 - rest)));
+  }
+
+  Vec3 path(const Model& model, int i, double time) const {
+    const Vec3 x = start_[static_cast<std::size_t>(model.nodes.id[i])];
+    const std::uint64_t item = static_cast<std::uint64_t>(model.nodes.id[i]) * 4;
+    const double t = fitful(time);
+    Vec3 to = x;
+    if (model.nodes.part[i] == 1) {
+      // Down by up to 0.7 mm and sideways, at rest and then at up to 5000 m/s.
+      to.z += 0.35e-3 * (sway(t, 0.7e-6) - 1.0);
+      to.x += 1.2e-3 * sway(t, 1.7e-6 + 0.5e-6 * scatter(seed_, 1));
+      to.y += 0.8e-3 * sway(t, 2.3e-6 + 0.5e-6 * scatter(seed_, 2));
+    } else if (model.nodes.part[i] == 2) {
+      // Bent to a ring whose ends overlap at the end.
+      const double curvature = 2.0 * 3.14159265358979 / 16e-3 * (0.85 + 0.25 * sway(t, 5e-6)),
+                   r = 1.0 / curvature - x.z;
+      to.x = r * std::sin(curvature * x.x);
+      to.z = 1.0 / curvature - r * std::cos(curvature * x.x);
+    }
+    // A shiver of its own for every node.
+    for (std::uint64_t d = 0; d < 3; ++d)
+      to[static_cast<int>(d)] += 0.08e-3 * sway(t + 3e-6 * scatter(seed_ + 5, item + d), 0.7e-6);
+    return to;
+  }
+
+  const Simulation& simulation_;
+  std::uint64_t seed_;
+  std::vector<Vec3> start_;  // by node id
+};
+
+void expect_brute_forces(const std::string& contact, std::uint64_t seed, bool deaths, int force_interval) {
+  const auto input = scene(limp_bodies(contact, force_interval));
+  Simulation simulation(MPI_COMM_WORLD, *input, scene_registry());
+  if (deaths)
+    light_fuses(simulation.model(), [&](std::int64_t id) {
+      const auto item = static_cast<std::uint64_t>(id) * 2;
+      return scatter(seed, item) < 0.5 ? std::floor(1.0 + 60.0 * scatter(seed, item + 1)) : 1e9;
+    });
+  Puppeteer puppeteer(simulation, seed);
+  simulation.observe(puppeteer);
+  simulation.run();
+  if (rank_of(MPI_COMM_WORLD) != 0) return;
+  const ForceComparison& c = puppeteer.comparison;
+  EXPECT_EQ(c.n_different, 0) << "of " << c.n_looks << " looks, seed " << seed << "; first in " << c.first_difference;
+  EXPECT_GT(c.n_loaded, 5 * c.n_looks) << "the bodies hardly touch";
+}
+
+TEST(ContactEngine, misses_no_pair_of_eroding_surfaces) {
+  expect_brute_forces("{type: eroding_surface, friction: 0.2}", 1, false, 0);
+}
+
+TEST(ContactEngine, misses_no_pair_while_elements_die) {
+  expect_brute_forces("{type: eroding_surface}", 2, true, 0);
+  expect_brute_forces("{type: eroding_surface, search_interval: 25}", 3, true, 0);
+}
+
+TEST(ContactEngine, misses_no_pair_while_elements_die_and_move_between_ranks) {
+  expect_brute_forces("{type: eroding_surface}", 4, true, 7);
+}
+
+TEST(ContactEngine, misses_no_pair_without_self_contact) {
+  expect_brute_forces("{type: eroding_surface, self_contact: false, parts: [lower, upper]}", 5, true, 11);
+}
+
+TEST(ContactEngine, misses_no_pair_of_slide_surfaces) {
+  expect_brute_forces("{type: slide_surface, slave: upper, master: lower, friction: 0.1}", 6, false, 0);
+  expect_brute_forces("{type: slide_surface, slave: upper, master: lower, symmetric: true}", 7, false, 9);
+}
+
+}  // namespace

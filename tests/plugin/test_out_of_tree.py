@@ -1,0 +1,194 @@
+"""A plugin outside the tree: it builds against the package, loads, computes, and is refused where it does not fit."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+HERE = Path(__file__).resolve().parent
+SOURCE = HERE.parents[1]
+BUILD = Path(os.environ.get("KERF_BUILD_DIR", SOURCE / "build")).resolve()
+KERF = BUILD / "bin" / "kerf"
+
+# A Taylor test: the bar flies against a rigid wall and is upset there.
+CASE = """
+title: a bar of Swift's material against a wall
+time: {end: 30 us}
+materials:
+  metal:
+    density: 7850 kg/m3
+    strength:
+      type: swift
+      shear_modulus: 80 GPa
+      strength_coefficient: 900 MPa
+      initial_strain: 0.01
+      hardening_exponent: 0.2
+    eos: {type: linear, bulk_modulus: 160 GPa}
+parts:
+  bar:
+    mesh: {type: block, size: "[20, 10, 10] mm", cells: [8, 4, 4]}
+    material: metal
+    velocity: "[-150, 0, 0] m/s"
+boundaries:
+  - {type: rigid_wall, point: "[0, 0, 0] m", normal: "[1, 0, 0]"}
+output: {precision: double, results_interval: 5 us, element_fields: [von_mises, effective_plastic_strain]}
+"""
+
+
+def cached(name):
+    """A variable of the CMake cache that Kerf was built with."""
+    lines = (BUILD / "CMakeCache.txt").read_text().splitlines()
+    return next(line.split("=", 1)[1] for line in lines if line.startswith(name + ":"))
+
+
+def call(*words, cwd=None):
+    return subprocess.run([str(w) for w in words], cwd=cwd, capture_output=True, text=True, timeout=600)
+
+
+def compile_library(source, library, *flags):
+    done = call(cached("CMAKE_CXX_COMPILER"), "-std=c++20", "-shared", "-fPIC", "-DKERF_PLUGIN_SHARED",
+                f"-I{SOURCE / 'framework' / 'api'}", *flags, source, "-o", library)
+    assert done.returncode == 0, done.stderr
+    return library
+
+
+@pytest.fixture(scope="module")
+def plugin(tmp_path_factory):
+    """swift_material.so, built as its author would."""
+    folder = tmp_path_factory.mktemp("plugin")
+    done = call("cmake", "-G", "Ninja", "-S", HERE / "out_of_tree", "-B", folder, f"-DKerf_DIR={BUILD}",
+                f"-DCMAKE_CXX_COMPILER={cached('CMAKE_CXX_COMPILER')}")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "refuse to load" not in done.stderr, "compilers differ"
+    done = call("cmake", "--build", folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder / "swift_material.so"
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    path = tmp_path_factory.mktemp("case") / "taylor.yaml"
+    path.write_text(CASE)
+    return path
+
+
+def run(case, plugin, output, *options):
+    done = call(KERF, "run", case, "--plugin", plugin, "--output", output, *options, cwd=output.parent)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads((output / "summary.json").read_text())
+
+
+def test_list_shows_the_type_beside_the_built_in_ones(plugin):
+    done = call(KERF, "list", "material", "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    names = [line.split()[0] for line in done.stdout.splitlines() if line.startswith("  ")]
+    assert "swift" in names and "johnson_cook" in names
+
+
+def test_describe_shows_what_it_declares(plugin):
+    done = call(KERF, "describe", "swift", "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    for text in ("strength_coefficient: number in Pa", "effective_plastic_strain", "swift_material.cpp"):
+        assert text in done.stdout
+
+
+def test_stress_follows_the_law_of_the_plugin(plugin, case, tmp_path):
+    summary = run(case, plugin, tmp_path / "one")
+    assert summary["exit"] == "completed"
+    with h5py.File(tmp_path / "one" / "results.vtkhdf") as file:
+        cells = file["VTKHDF/CellData"]
+        strain, stress = (np.ravel(cells[name]) for name in ("effective_plastic_strain", "von_mises"))
+    assert strain.max() > 0.2
+    over = stress / (900.0e6 * (0.01 + strain) ** 0.2) - 1.0
+    # Newton's method stops at 1e-14 of the trial stress, which is at most a few times the flow stress.
+    assert over.max() < 1e-11, "no stress may lie outside the yield surface"
+    # Frames show waves, loading and unloading; what flows is on the surface: some of what has flowed is.
+    assert np.count_nonzero(np.abs(over[strain > 0.0]) < 1e-11) > 20
+
+
+def test_state_of_the_plugin_is_the_same_on_any_number_of_ranks(plugin, case, tmp_path):
+    hashes = {n: run(case, plugin, tmp_path / f"ranks_{n}", "--ranks", n, "--set", "balance.force_interval=40")
+              ["state_hash"] for n in (1, 2, 3)}
+    assert len(set(hashes.values())) == 1, hashes
+
+
+def test_a_built_in_criterion_reads_the_plugins_state(plugin, case, tmp_path):
+    criterion = "materials.metal.erosion.criteria=[{type: plastic_strain, limit: 0.15}]"
+    summary = run(case, plugin, tmp_path / "eroding", "--set", criterion)
+    assert 0 < summary["eroded"]["by_criterion"]["plastic_strain"] <= 128
+
+
+def test_a_rule_of_the_plugin_is_an_error_with_a_line(plugin, case):
+    done = call(KERF, "check", case, "--plugin", plugin, "--set", "materials.metal.strength.shear_modulus=100 MPa")
+    assert done.returncode == 2
+    assert "`strength_coefficient`: the initial yield stress K e0^n must be less than the shear modulus" in done.stderr
+    line = next(i for i, text in enumerate(CASE.splitlines(), 1) if "strength_coefficient" in text)
+    assert f"taylor.yaml:{line}:" in done.stderr
+
+
+def test_without_the_plugin_its_type_is_unknown(case):
+    done = call(KERF, "check", case)
+    assert done.returncode == 2
+    assert 'there is no material of type "swift"' in done.stderr
+
+
+def test_a_plugin_of_another_version_is_refused(tmp_path):
+    library = compile_library(HERE / "out_of_tree" / "swift_material.cpp", tmp_path / "old.so",
+                              '-DKERF_VERSION="0.0.1"')
+    done = call(KERF, "list", "--plugin", library)
+    assert done.returncode == 2 and done.stdout == ""
+    assert "does not fit this Kerf: Kerf's version is \"0.0.1\" in the plugin and" in done.stderr
+    assert "rebuild the plugin with this Kerf's headers and the same compiler" in done.stderr
+
+
+def test_a_plugin_of_another_interface_is_refused_with_every_difference(tmp_path):
+    source = tmp_path / "foreign.cpp"
+    source.write_text("""
+#include <kerf/plugin.hpp>
+extern "C" kerf::Manifest kerf_plugin_manifest() {
+  kerf::Manifest m = kerf::this_manifest();
+  m.interface += 1;
+  m.lane_width = 4;
+  return m;
+}
+extern "C" void kerf_plugin_register(kerf::Registrar&) { __builtin_trap(); }
+""")
+    done = call(KERF, "list", "--plugin", compile_library(source, tmp_path / "foreign.so"))
+    assert done.returncode == 2
+    assert "the interface version is" in done.stderr and "the lane width is 4 in the plugin and 8 here" in done.stderr
+
+
+def test_a_library_that_is_no_plugin_is_refused(tmp_path):
+    source = tmp_path / "nothing.cpp"
+    source.write_text("int nothing() { return 0; }\n")
+    done = call(KERF, "list", "--plugin", compile_library(source, tmp_path / "nothing.so"))
+    assert done.returncode == 2
+    assert "is a shared library but no Kerf plugin" in done.stderr
+
+
+def test_a_file_that_is_no_library_is_refused(case):
+    done = call(KERF, "list", "--plugin", case)
+    assert done.returncode == 2
+    assert "cannot be loaded as a plugin" in done.stderr
+
+
+def test_a_missing_library_is_named(tmp_path):
+    done = call(KERF, "list", "--plugin", tmp_path / "absent.so")
+    assert done.returncode == 2
+    assert "absent.so: error: there is no such plugin file" in done.stderr
+
+
+def test_the_same_name_twice_names_both_origins(plugin, tmp_path):
+    twin = tmp_path / "twin.cpp"
+    twin.write_text((HERE / "out_of_tree" / "swift_material.cpp").read_text())
+    version = next(line.split('"')[1] for line in (BUILD / "KerfConfigVersion.cmake").read_text().splitlines()
+                   if line.startswith("set(PACKAGE_VERSION "))
+    library = compile_library(twin, tmp_path / "twin.so", f'-DKERF_VERSION="{version}"')
+    done = call(KERF, "list", "--plugin", plugin, "--plugin", library)
+    assert done.returncode == 2
+    assert 'two plugins of kind material are called "swift"' in done.stderr
+    assert "swift_material.cpp" in done.stderr and "twin.cpp" in done.stderr

@@ -1,0 +1,119 @@
+// Boundary conditions at a node.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kerf/boundary.hpp"
+#include "support/make_law.hpp"
+
+namespace {
+
+using namespace kerf;
+using kerf::test::make_law;
+using kerf::test::refusal;
+
+std::unique_ptr<Boundary> make_boundary(const std::string& name, const std::string& parameters) {
+  return make_law<Boundary>("boundary", name, parameters);
+}
+
+BoundaryNode node_at(double x, double y, double z) {
+  BoundaryNode node;
+  node.id = 7;
+  node.mass = 1.0;
+  node.position = {x, y, z};
+  return node;
+}
+
+void expect_vector(Vec3 a, Vec3 b, double tolerance = 1e-12) {
+  EXPECT_NEAR(a.x, b.x, tolerance);
+  EXPECT_NEAR(a.y, b.y, tolerance);
+  EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+TEST(InitialVelocity, SetsVelocityAndSpinAtTheStartOnly) {
+  const auto b = make_boundary("initial_velocity",
+                               "{nodes: rod, velocity: \"[0, 0, 100] m/s\", angular_velocity: \"[0, 0, 10] rad/s\"}");
+  EXPECT_EQ(b->nodes(), std::vector<std::string>{"rod"});
+  expect_vector(b->initial(node_at(2, 0, 0), {1, 2, 3}), {0, 20, 100});
+  expect_vector(b->constrain(node_at(2, 0, 0), {1.0, 0.1}, {1, 2, 3}), {1, 2, 3});
+}
+
+TEST(Fixed, HoldsTheChosenComponents) {
+  expect_vector(make_boundary("fixed", "{nodes: [a, b]}")->constrain({}, {}, {1, 2, 3}), {0, 0, 0});
+  const auto b = make_boundary("fixed", "{components: [x, z]}");
+  EXPECT_TRUE(b->nodes().empty());
+  expect_vector(b->constrain({}, {}, {1, 2, 3}), {0, 2, 0});
+  expect_vector(b->initial({}, {1, 2, 3}), {0, 2, 0});
+  EXPECT_THAT(refusal("boundary", "fixed", "{components: [x, w]}"), ::testing::HasSubstr("any of x, y and z"));
+}
+
+TEST(PrescribedMotion, FollowsItsTable) {
+  const auto b =
+      make_boundary("prescribed_motion",
+                    "{components: y, velocity: \"[9, 10, 9] m/s\", times: \"[1, 2, 4] s\", factors: [0, 1, -1]}");
+  const auto y_at = [&](double time) { return b->constrain({}, {time, 0.1}, {1, 2, 3}).y; };
+  EXPECT_DOUBLE_EQ(y_at(0.0), 0.0);
+  EXPECT_DOUBLE_EQ(y_at(1.5), 5.0);
+  EXPECT_DOUBLE_EQ(y_at(3.0), 0.0);
+  EXPECT_DOUBLE_EQ(y_at(9.0), -10.0);
+  expect_vector(b->constrain({}, {2.0, 0.1}, {1, 2, 3}), {1, 10, 3});
+  expect_vector(make_boundary("prescribed_motion", "{velocity: [1, 2, 3]}")->initial({}, {}), {1, 2, 3});
+}
+
+TEST(PrescribedMotion, RefusesABadTable) {
+  EXPECT_THAT(refusal("boundary", "prescribed_motion", "{velocity: [1, 0, 0], times: [1, 2], factors: [1]}"),
+              ::testing::HasSubstr("equal number"));
+  EXPECT_THAT(refusal("boundary", "prescribed_motion", "{velocity: [1, 0, 0], times: [2, 1], factors: [1, 1]}"),
+              ::testing::HasSubstr("times must increase"));
+}
+
+TEST(Symmetry, HoldsNodesOnThePlaneAndLeavesOthers) {
+  const auto b = make_boundary("symmetry", "{normal: [0, 2, 0]}");
+  expect_vector(b->constrain(node_at(1, 0, 1), {0, 1e-3}, {1, 2, 3}), {1, 0, 3}, 0.0);
+  expect_vector(b->constrain(node_at(1, 1, 1), {0, 1e-3}, {1, -2, 3}), {1, -2, 3}, 0.0);
+  expect_vector(b->initial(node_at(1, 0, 1), {1, 2, 3}), {1, 0, 3}, 0.0);
+  expect_vector(b->initial(node_at(1, 1, 1), {1, 2, 3}), {1, 2, 3}, 0.0);
+}
+
+TEST(Symmetry, BouncesAFreeNodeOffItsMirrorImage) {
+  const auto b = make_boundary("symmetry", "{normal: [0, 2, 0], point: [0, 1, 0]}");
+  const Vec3 v = b->constrain(node_at(0, 1.5, 0), {0, 1e-3}, {4, -1000, 0});
+  expect_vector(v, {4, 1000, 0}, 1e-9);  // the elastic collision of two equal masses; round-off of the normalisation
+}
+
+TEST(Symmetry, ComplainsOfNodesOnTheOtherSide) {
+  const auto b = make_boundary("symmetry", "{normal: [0, 1, 0]}");
+  EXPECT_EQ(b->complaint(node_at(0, 0, 0)), "");
+  EXPECT_EQ(b->complaint(node_at(0, 1, 0)), "");
+  EXPECT_THAT(b->complaint(node_at(0, -1, 0)), ::testing::HasSubstr("node 7"));
+}
+
+TEST(RigidWall, PutsANodeOnTheWallAndLetsItLeave) {
+  const auto b = make_boundary("rigid_wall", "{point: [0, 0, 1], normal: [0, 0, 3]}");
+  const BoundaryStep step{0.05, 0.1};
+  expect_vector(b->constrain(node_at(0, 0, 1.2), step, {5, 0, -10}), {5, 0, -2});
+  expect_vector(b->constrain(node_at(0, 0, 1), step, {5, 0, 10}), {5, 0, 10}, 0.0);
+  expect_vector(b->constrain(node_at(0, 0, 2), step, {5, 0, -9}), {5, 0, -9}, 0.0);
+}
+
+TEST(RigidWall, MovesWithItsVelocity) {
+  const auto b = make_boundary("rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 1], velocity: \"[0, 0, 3] m/s\"}");
+  // At the end of the step, t = 2.1, the wall is at z = 6.3.
+  expect_vector(b->constrain(node_at(0, 0, 6.0), {2.05, 0.1}, {0, 0, 0}), {0, 0, 3});
+}
+
+TEST(RigidWall, SlowsSlidingByFriction) {
+  const auto b = make_boundary("rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 1], friction: 0.3}");
+  const BoundaryStep step{0.0, 1.0};
+  expect_vector(b->constrain(node_at(0, 0, 0), step, {30, 40, -10}), {30 - 1.8, 40 - 2.4, 0});  // slides
+  expect_vector(b->constrain(node_at(0, 0, 0), step, {1, 2, -10}), {0, 0, 0});  // sticks
+}
+
+TEST(RigidWall, ComplainsOfNodesBehindIt) {
+  const auto b = make_boundary("rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 1]}");
+  EXPECT_EQ(b->complaint(node_at(0, 0, 0)), "");
+  EXPECT_THAT(b->complaint(node_at(0, 0, -1e-3)), ::testing::HasSubstr("behind the rigid wall"));
+  EXPECT_THAT(refusal("boundary", "rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 0]}"),
+              ::testing::HasSubstr("zero length"));
+}
+
+}  // namespace

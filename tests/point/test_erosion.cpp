@@ -1,0 +1,116 @@
+// Erosion criteria at a point.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "support/points.hpp"
+
+namespace {
+
+using namespace kerf;
+using kerf::test::ErosionPoint;
+using kerf::test::make_law;
+
+ErosionPoint make_point(const std::string& name, const std::string& parameters) {
+  return ErosionPoint(make_law<ErosionCriterion>("erosion", name, parameters));
+}
+
+Rotation about_z(double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0};
+}
+Rotation about_x(double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c};
+}
+
+TEST(LargestPrincipal, IsExactForPrincipalStressesInAnyFrame) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (int i = 0; i < 2000; ++i) {
+    const double a = u(random), b = u(random), c = u(random);
+    const SymTensor t = rotate(rotate({a, b, c, 0.0, 0.0, 0.0}, about_z(3.0 * u(random))), about_x(3.0 * u(random)));
+    EXPECT_NEAR(largest_principal(t), std::max({a, b, c}), 1e-7);  // square root of round-off where two coincide
+  }
+}
+
+TEST(LargestPrincipal, IsExactWhereEigenvaluesCoincide) {
+  EXPECT_EQ(largest_principal({}), 0.0);
+  EXPECT_NEAR(largest_principal({5e9, 5e9, 5e9, 0.0, 0.0, 0.0}), 5e9, 1.0);
+  EXPECT_NEAR(largest_principal({3e9, 3e9, 0.0, 0.0, 0.0, 0.0}) / 3e9, 1.0, 1e-7);  // equibiaxial tension
+  EXPECT_NEAR(largest_principal({0.0, 0.0, -3e9, 0.0, 0.0, 0.0}) / 3e9, 0.0, 1e-7);  // uniaxial compression
+  EXPECT_NEAR(largest_principal({3e9, 0.0, 0.0, 0.0, 0.0, 0.0}) / 3e9, 1.0, 1e-15);  // uniaxial tension
+  EXPECT_NEAR(largest_principal({0.0, 0.0, 0.0, 2e9, 0.0, 0.0}) / 2e9, 1.0, 1e-15);  // shear
+  EXPECT_NEAR(largest_principal({-1.0, -2.0, -4.0, 0.0, 0.0, 0.0}), -1.0, 1e-14);  // all compressive
+}
+
+TEST(PlasticStrainErosion, FailsAtTheLimit) {
+  auto point = make_point("plastic_strain", "{limit: 0.85}");
+  EXPECT_EQ(point.judge({}, 0.8499).failed, 0.0);
+  EXPECT_EQ(point.judge({}, 0.85).failed, 1.0);
+  EXPECT_EQ(point.judge({}, 0.9).value, 0.9);
+}
+
+TEST(PlasticStrainErosion, ReadsTheVariableOfTheMaterials) {
+  const Description* d = kerf::test::builtin_plugins().find("erosion", "plastic_strain");
+  ASSERT_EQ(d->reads.size(), 1u);
+  for (const char* material : {"elastic_plastic", "johnson_cook"})
+    EXPECT_EQ(kerf::test::builtin_plugins().find("material", material)->state.at(0).name, d->reads[0].name);
+}
+
+TEST(TensileStressErosion, LooksAtTensionOnly) {
+  auto point = make_point("tensile_stress", "{limit: 1 GPa}");
+  ErosionInputPoint in;
+  in.stress = {-5e9, -5e9, -5e9, 0.0, 0.0, 0.0};
+  EXPECT_EQ(point.judge(in).failed, 0.0);
+  in.stress = {0.0, 0.0, 0.0, 1.01e9, 0.0, 0.0};
+  EXPECT_EQ(point.judge(in).failed, 1.0);
+  EXPECT_NEAR(point.judge(in).value, 1.01e9, 1.0);
+}
+
+TEST(InversionErosion, FailsWithoutVolume) {
+  auto point = make_point("inversion", "{}");
+  ErosionInputPoint in;
+  in.volume_ratio = 1e-3;
+  EXPECT_EQ(point.judge(in).failed, 0.0);
+  in.volume_ratio = 0.0;
+  EXPECT_EQ(point.judge(in).failed, 1.0);
+  in.volume_ratio = -0.5;
+  EXPECT_EQ(point.judge(in).failed, 1.0);
+}
+
+TEST(MinimumTimeStepErosion, FailsBelowTheLimit) {
+  auto point = make_point("minimum_time_step", "{limit: 1 ns}");
+  ErosionInputPoint in;
+  in.time_step = 1.01e-9;
+  EXPECT_EQ(point.judge(in).failed, 0.0);
+  in.time_step = 0.99e-9;
+  EXPECT_EQ(point.judge(in).failed, 1.0);
+}
+
+TEST(GeometricStrainErosion, AddsUpAndComesBack) {
+  auto point = make_point("geometric_strain", "{limit: 0.5}");
+  ErosionInputPoint in;
+  in.strain_increment = {0.01, -0.005, -0.005, 0.0, 0.0, 0.0};
+  Verdict v;
+  for (int i = 0; i < 60; ++i) v = point.judge(in);
+  EXPECT_NEAR(v.value, 0.6, 1e-13);  // isochoric stretch: the axial strain
+  EXPECT_EQ(v.failed, 1.0);
+  in.strain_increment = -1.0 * in.strain_increment;
+  for (int i = 0; i < 60; ++i) v = point.judge(in);
+  EXPECT_NEAR(v.value, 0.0, 1e-13);
+}
+
+TEST(GeometricStrainErosion, TurnsWithTheMaterial) {
+  auto point = make_point("geometric_strain", "{limit: 1.0}");
+  ErosionInputPoint stretch, turn, shrink;
+  stretch.strain_increment = {0.2, -0.1, -0.1, 0.0, 0.0, 0.0};
+  turn.rotation = about_z(0.5 * std::numbers::pi);
+  shrink.strain_increment = {0.1, -0.2, 0.1, 0.0, 0.0, 0.0};  // undoes the stretch, which now is along y
+  point.judge(stretch);
+  EXPECT_NEAR(point.judge(turn).value, 0.2, 1e-15);
+  EXPECT_NEAR(point.judge(shrink).value, 0.0, 1e-15);
+}
+
+}  // namespace

@@ -1,0 +1,82 @@
+"""What the README says is true: its links, its table of types, its example of a plugin, the cases' commands."""
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("KERF_BUILD_DIR", SOURCE / "build")).resolve()
+KERF = os.environ.get("KERF_BINARY", str(BUILD / "bin" / "kerf"))
+README = (SOURCE / "README.md").read_text()
+CASES = sorted((SOURCE / "inputs").glob("*/README.md"))
+
+
+def call(*words):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=300, cwd=SOURCE)
+
+
+@pytest.mark.parametrize("page", [SOURCE / "README.md", *CASES], ids=lambda path: str(path.relative_to(SOURCE)))
+def test_links_lead_to_files(page):
+    for target in re.findall(r"\]\(([^)#]+)", page.read_text()):
+        if not target.startswith("http"):
+            assert (page.parent / target).exists(), target
+
+
+def test_quick_start_has_the_two_commands():
+    block = re.search(r"## Quick start\n.*?```\n(.*?)```", README, re.DOTALL).group(1)
+    assert block.splitlines() == ["./kerf run inputs/oblique_rod/oblique_rod.yaml", "./kerf test"]
+
+
+def test_table_names_every_type():
+    kinds, kind = {}, None
+    for line in filter(None, call(KERF, "list").stdout.splitlines()):
+        if line.startswith(" "):
+            kinds[kind].add(line.split()[0])
+        else:
+            kind = line.strip()
+            kinds[kind] = set()
+    rows = {row[0]: set(re.findall(r"`(\w+)`", row[1]))
+            for row in re.findall(r"^\| (\w+) \| (.*) \|$", README, re.MULTILINE) if row[0] in kinds}
+    assert rows == kinds
+
+
+def test_every_case_is_named():
+    for folder in sorted((SOURCE / "inputs").iterdir()):
+        if any(folder.glob("*.yaml")):
+            assert f"inputs/{folder.name}" in README
+
+
+def test_the_plugin_compiles_and_is_described(tmp_path):
+    source, library = tmp_path / "shear_stress.cpp", tmp_path / "shear_stress.so"
+    source.write_text(re.search(r"^```cpp\n(.*?)^```", README, re.MULTILINE | re.DOTALL).group(1))
+    cache = (BUILD / "CMakeCache.txt").read_text()
+    compiler = re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache, re.MULTILINE).group(1)
+    version = call(KERF, "--version").stdout.split()[1]
+    done = call(compiler, "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unknown-pragmas", "-shared", "-fPIC",
+                "-DKERF_PLUGIN_SHARED", f'-DKERF_VERSION="{version}"', f"-I{SOURCE / 'framework' / 'api'}", source,
+                "-o", library)
+    assert done.returncode == 0, done.stderr
+    done = call(KERF, "describe", "shear_stress", "--plugin", library)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("shear_stress (erosion): largest shear stress reaches a limit")
+
+
+def commands_of(text):
+    """The check and run commands that a page shows, as `kerf check` with the same input and values."""
+    for block in re.findall(r"^```\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        for line in block.splitlines():
+            words = re.match(r"\./kerf (?:run|check) (\S+\.yaml)((?: --set \S+)*)", line)
+            if words:
+                yield (words.group(1), *words.group(2).split())
+
+
+COMMANDS = sorted({command for page in [SOURCE / "README.md", *CASES] for command in commands_of(page.read_text())})
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_commands_shown_are_accepted(command):
+    done = call(KERF, "check", *command)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,223 @@
+// Drives an element law over a small mesh without the rest of the engine: the same store and the same view that the
+// element loop uses, with nodes that the test moves.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "kerf/element.hpp"
+#include "state/part_store.hpp"
+#include "support/make_law.hpp"
+
+namespace kerf::test {
+
+struct HexMesh {
+  std::vector<Vec3> x;  // [m]
+  std::vector<std::array<std::int32_t, 8>> elements;
+};
+
+/// Corners of the reference cube in the order of an element's nodes.
+inline constexpr int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                                     {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+
+/// A block of `nx` x `ny` x `nz` cubes of edge `size`, every node moved by up to `distortion` edges per direction.
+inline HexMesh distorted_block(int nx, int ny, int nz, double size, double distortion, unsigned seed) {
+  HexMesh mesh;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> shift(-distortion, distortion);
+  const auto node = [&](int i, int j, int k) { return (i * (ny + 1) + j) * (nz + 1) + k; };
+  for (int i = 0; i <= nx; ++i)
+    for (int j = 0; j <= ny; ++j)
+      for (int k = 0; k <= nz; ++k)
+        mesh.x.push_back(Vec3{i + shift(random), j + shift(random), k + shift(random)} * size);
+  for (int i = 0; i < nx; ++i)
+    for (int j = 0; j < ny; ++j)
+      for (int k = 0; k < nz; ++k) {
+        std::array<std::int32_t, 8> e;
+        for (int n = 0; n < 8; ++n)
+          e[n] = node(i + (corner[n][0] + 1) / 2, j + (corner[n][1] + 1) / 2, k + (corner[n][2] + 1) / 2);
+        mesh.elements.push_back(e);
+      }
+  return mesh;
+}
+
+/// One element of that kind.
+inline HexMesh distorted_element(double size, double distortion, unsigned seed) {
+  return distorted_block(1, 1, 1, size, distortion, seed);
+}
+
+/// Volume of an element from its surface alone: a third of the integral of x . n over the six bilinear faces.
+inline double volume_by_divergence(const HexMesh& mesh, const std::array<std::int32_t, 8>& element) {
+  constexpr int face[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  const double g = 1.0 / std::sqrt(3.0);  // two points integrate the products of bilinear functions exactly
+  const Vec3 origin = mesh.x[element[0]];
+  double sum = 0.0;
+  for (const auto& f : face)
+    for (const double a : {-g, g})
+      for (const double b : {-g, g}) {
+        Vec3 x, along_a, along_b;
+        constexpr int at[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+        for (int k = 0; k < 4; ++k) {
+          const Vec3 p = mesh.x[element[f[k]]] - origin;
+          x = x + p * (0.25 * (1.0 + at[k][0] * a) * (1.0 + at[k][1] * b));
+          along_a = along_a + p * (0.25 * at[k][0] * (1.0 + at[k][1] * b));
+          along_b = along_b + p * (0.25 * at[k][1] * (1.0 + at[k][0] * a));
+        }
+        sum += dot(x, cross(along_a, along_b)) / 3.0;
+      }
+  return sum;
+}
+
+struct PartLaws {
+  std::string element = "{}", strength = "elastic", strength_parameters = "{shear_modulus: 80 GPa}";
+  std::string eos = "linear", eos_parameters = "{bulk_modulus: 160 GPa}";
+  double density = 8000.0;  // [kg/m3]
+  double compression = 1.0;  // mass of the elements over density times volume
+};
+
+/// The elements of one part and their nodes. `x` and `v` are the test's to set; `step` moves the nodes by v dt and
+/// integrates.
+class OnePart {
+ public:
+  std::vector<Vec3> x, v;  // [m], [m/s]
+  ElementWork work;  // of the last call
+
+  explicit OnePart(const HexMesh& mesh, const PartLaws& laws = {})
+      : x(mesh.x),
+        v(mesh.x.size()),
+        elements_(mesh.elements),
+        element_(make_law<Element>("element", "hex8", laws.element)),
+        strength_(make_law<Material>("material", laws.strength, laws.strength_parameters)),
+        eos_(make_law<Eos>("eos", laws.eos, laws.eos_parameters)),
+        store_(0, *element_, *strength_, *eos_, {}),
+        density_(laws.density) {
+    std::vector<std::int64_t> ids;
+    std::vector<std::vector<double>> records;
+    std::vector<const double*> rows;
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      ids.push_back(static_cast<std::int64_t>(e));
+      records.emplace_back(store_.record_size());
+      const double volume = volume_by_divergence(mesh, elements_[e]);
+      store_.initial_record(laws.compression * density_ * volume, records.back().data());
+    }
+    for (const auto& r : records) rows.push_back(r.data());
+    store_.assign(ids, elements_, rows);
+    // The dummy nodes form a cube that is larger than any element, so that it never sets the time step.
+    const double edge = 16.0 * std::cbrt(volume_by_divergence(mesh, elements_[0]));
+    store_.set_dummies(static_cast<std::int32_t>(x.size()), density_ * edge * edge * edge, edge * edge * edge);
+    position_.resize(4 * (x.size() + 8));
+    velocity_.resize(position_.size());
+    force_.resize(position_.size());
+    for (int n = 0; n < 8; ++n)
+      for (int d = 0; d < 3; ++d) position_[4 * (x.size() + n) + d] = 0.5 * edge * (1 + corner[n][d]);
+  }
+
+  void initialise() {
+    prepare(0.0);
+    element_->initialise(work);
+  }
+  /// Moves the nodes by v dt, then computes the forces from nothing.
+  void step(double dt) {
+    for (std::size_t n = 0; n < x.size(); ++n) x[n] = x[n] + v[n] * dt;
+    prepare(dt);
+    element_->add_internal_forces(work);
+  }
+  /// Takes the nodes to `target` in one step at constant velocity.
+  void move_to(const std::vector<Vec3>& target, double dt) {
+    for (std::size_t n = 0; n < x.size(); ++n) v[n] = (target[n] - x[n]) * (1.0 / dt);
+    x = target;
+    prepare(dt);
+    element_->add_internal_forces(work);
+  }
+
+  int n_elements() const { return static_cast<int>(elements_.size()); }
+  const std::array<std::int32_t, 8>& nodes(int e) const { return elements_[e]; }
+  double get(PartStore::FieldIndex field, int e, int component = 0) const {
+    return store_.field(field).at(e, component);
+  }
+  void set(PartStore::FieldIndex field, int e, int component, double value) {
+    store_.field(field).at(e, component) = value;
+  }
+  SymTensor deviator(int e) const {
+    const auto s = [&](int c) { return get(PartStore::deviator, e, c); };
+    return {s(0), s(1), s(2), s(3), s(4), s(5)};
+  }
+  void set_deviator(int e, SymTensor s) {
+    const double c[6] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
+    for (int i = 0; i < 6; ++i) set(PartStore::deviator, e, i, c[i]);
+  }
+  double pressure(int e) const { return get(PartStore::pressure, e); }
+  SymTensor stress(int e) const {
+    const double p = pressure(e);
+    return deviator(e) + SymTensor{-p, -p, -p, 0.0, 0.0, 0.0};
+  }
+  /// Sum over elements of the force on a node [N], and in quanta.
+  Vec3 force(int node) const {
+    return {quanta(node, 0) * quantum, quanta(node, 1) * quantum, quanta(node, 2) * quantum};
+  }
+  std::int64_t quanta(int node, int d) const { return force_[4 * static_cast<std::size_t>(node) + d]; }
+  /// Least stable step of the last call [s].
+  double stable_step() const {
+    double least = work.least_step[0];
+    for (const double s : work.least_step) least = min_of(s, least);
+    return least;
+  }
+  double hourglass_energy() const { return static_cast<double>(work.hourglass_energy) / work.energy_per_quantum; }
+  double element_mass(int e) const { return get(PartStore::mass, e); }
+
+  /// 2^-33 N: forces up to 1.6e7 N are resolved to a tenth of a nanonewton.
+  static constexpr double quantum = 0x1p-33;
+
+ private:
+  void prepare(double dt) {
+    for (std::size_t n = 0; n < x.size(); ++n)
+      for (int d = 0; d < 3; ++d) {
+        position_[4 * n + d] = x[n][d];
+        velocity_[4 * n + d] = v[n][d];
+      }
+    std::fill(force_.begin(), force_.end(), 0);
+    work = ElementWork{};
+    work.position = position_.data();
+    work.velocity = velocity_.data();
+    work.force = force_.data();
+    work.scale = {quantum, 1.0 / quantum};
+    work.dt = dt;
+    work.material = strength_.get();
+    work.eos = eos_.get();
+    work.reference_density = density_;
+    work.n_blocks = store_.n_blocks();
+    work.nodes = store_.nodes();
+    const auto data = [&](PartStore::FieldIndex f) { return store_.field(f).data.data(); };
+    work.mass = data(PartStore::mass);
+    work.volume = data(PartStore::volume);
+    work.deviator = data(PartStore::deviator);
+    work.pressure = data(PartStore::pressure);
+    work.internal_energy = data(PartStore::internal_energy);
+    work.viscous_energy = data(PartStore::viscous_energy);
+    work.element_state = data(PartStore::element_state);
+    work.material_state = data(PartStore::material_state);
+    work.eos_state = data(PartStore::eos_state);
+    work.n_element_state = store_.field(PartStore::element_state).n_components;
+    work.n_material_state = store_.field(PartStore::material_state).n_components;
+    work.n_eos_state = store_.field(PartStore::eos_state).n_components;
+    work.energy_per_quantum = 0x1p60;
+    std::fill(work.least_step, work.least_step + lane_width, std::numeric_limits<double>::max());
+    std::fill(work.least_block, work.least_block + lane_width, 0);
+  }
+
+  std::vector<std::array<std::int32_t, 8>> elements_;
+  std::unique_ptr<Element> element_;
+  std::unique_ptr<Material> strength_;
+  std::unique_ptr<Eos> eos_;
+  PartStore store_;
+  double density_;
+  AlignedVector<double> position_, velocity_;
+  AlignedVector<std::int64_t> force_;
+};
+
+}  // namespace kerf::test
