@@ -259,6 +259,9 @@ struct ErodingSurface final : Contact {
     for (int k = 0; k < 4; ++k) point = point + g.x[k] * best.weights[k];
     const Vec3 away = s - point;
     if (!(dot(away, normal_at(view, facets, point)) < 0.0)) return -1;
+    // A node on the edge itself is off it by round-off alone: length and direction must be those of one vector.
+    best.distance = norm(away);
+    if (!(best.distance > 0.0)) return -1;
     best.direction = away * (-1.0 / best.distance);
     return found;
   }

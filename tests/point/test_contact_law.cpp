@@ -1,0 +1,102 @@
+// Contact laws on a surface made by hand: what single nodes in awkward places get.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <optional>
+#include <random>
+
+#include "kerf/contact.hpp"
+#include "support/make_law.hpp"
+
+namespace {
+
+using namespace kerf;
+using kerf::test::make_law;
+
+/// A roof of two unit facets along y, and one free node of another part. Its ridge is at a place that costs round-off.
+struct Roof {
+  static constexpr Vec3 ridge = {0.37, 0.0, 0.73};
+
+  std::array<double, 28> position = {-1, 0, -1, 0, -1, 1, -1, 0, 0,  0, 0, 0, 0, 1,
+                                     0,  0, 1,  0, -1, 0, 1,  1, -1, 0, 0, 0, 0, 0};
+  std::array<double, 28> velocity = {};
+  std::array<double, 7> mass = {1, 1, 1, 1, 1, 1, 1};
+  std::array<std::int32_t, 7> node_part = {0, 0, 0, 0, 0, 0, 1};
+  std::array<std::int64_t, 7> node_id = {0, 1, 2, 3, 4, 5, 6};
+  std::array<std::int32_t, 8> facet_nodes = {0, 2, 3, 1, 2, 4, 5, 3};
+  std::array<std::int64_t, 2> facet_id = {1, 9};
+  std::array<std::int32_t, 2> facet_part = {0, 0};
+  std::array<double, 2> bulk_modulus = {1e3, 1e3}, volume = {1, 1};
+  std::array<std::int32_t, 1> slave = {6};
+  std::array<std::int32_t, 2> first_candidate = {0, 2}, candidate = {0, 1}, first_around = {0, 0};
+  std::array<std::int64_t, 28> force = {};
+
+  Roof() {
+    for (int n = 0; n < 7; ++n)
+      for (int d = 0; d < 3; ++d) position[4 * n + d] += ridge[d];
+  }
+
+  /// Force on the free node at `s` from the ridge's end, that moves down at 1 m/s [N]; empty where the law says it is
+  /// beyond all bounds.
+  std::optional<Vec3> force_at(const Contact& law, Vec3 s) {
+    for (int d = 0; d < 3; ++d) position[24 + d] = ridge[d] + s[d];
+    velocity[26] = -1.0;
+    force.fill(0);
+    ContactView view;
+    view.dt = 1e-3;
+    view.n_nodes = 7;
+    view.node_id = node_id.data();
+    view.position = position.data();
+    view.velocity = velocity.data();
+    view.mass = mass.data();
+    view.node_part = node_part.data();
+    view.n_facets = 2;
+    view.facet_id = facet_id.data();
+    view.facet_nodes = facet_nodes.data();
+    view.facet_part = facet_part.data();
+    view.facet_bulk_modulus = bulk_modulus.data();
+    view.facet_volume = volume.data();
+    view.n_slaves = 1;
+    view.slave = slave.data();
+    view.first_candidate = first_candidate.data();
+    view.candidate = candidate.data();
+    view.first_around = view.around = first_around.data();
+    const ForceScale scale{1e-9, 1e9};
+    ContactForces forces(force.data(), scale);
+    law.add_forces(view, forces);
+    if (forces.overflow_node() >= 0) return std::nullopt;
+    return Vec3{force[24] * 1e-9, force[25] * 1e-9, force[26] * 1e-9};
+  }
+};
+
+TEST(ErodingSurface, PushesANodeBelowARidgeUp) {
+  const auto law = make_law<Contact>("contact", "eroding_surface", "{damping: 0, stability: 1}");
+  Roof roof;
+  const auto force = roof.force_at(*law, {0.0, 0.5, -0.1});
+  ASSERT_TRUE(force);
+  EXPECT_GT((*force)[2], 0.0);
+  EXPECT_NEAR((*force)[1], 0.0, 1e-6);
+}
+
+// Off the surface by round-off alone, length and direction of the way out used to be those of different vectors. That
+// happens where triangles meet: on the ridge and on the diagonals of a facet.
+TEST(ErodingSurface, StaysBoundedForANodeOnTheSurface) {
+  const auto law = make_law<Contact>("contact", "eroding_surface");
+  Roof roof;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  int pushed = 0;
+  for (int i = 0; i < 40000; ++i) {
+    const double along = 0.5 + 0.4 * u(random), off = std::pow(10.0, -14.0 - 4.0 * std::fabs(u(random)));
+    const double across = i % 2 == 0 ? 0.0 : -along;  // the ridge, or the diagonal through its end
+    const auto force =
+        roof.force_at(*law, {across + off * u(random), along + off * u(random), across - off * std::fabs(u(random))});
+    ASSERT_TRUE(force) << "off by " << off;
+    // Dashpot on at most the node's mass at 1 m/s, with a stiffness bounded by 0.4 m/dt2: 2 * 0.2 * sqrt(0.4) / 1e-3.
+    ASSERT_LT(norm(*force), 260.0);
+    pushed += norm(*force) > 0.0;
+  }
+  EXPECT_GT(pushed, 5000);
+}
+
+}  // namespace
