@@ -1,20 +1,26 @@
-// A hashed uniform grid of facet boxes that every slave looks into.
+// Pairs of slaves and facets whose boxes meet, and how they change as the surface does.
 #include "dynamics/candidate_search.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <span>
 #include <unordered_map>
+
+#include "dynamics/facet_grid.hpp"
 
 namespace kerf {
 
 namespace {
 
-/// Open-addressing map from id to a dense number, in order of arrival; ids are not negative.
+/// Dense numbers of nodes. Where the records come from one rank alone, their local numbers serve; otherwise an
+/// open-addressing map numbers ids, which are not negative, in order of arrival.
 class Numbering {
  public:
-  explicit Numbering(std::size_t expected) { resize(expected); }
-  std::int32_t number(std::int64_t id) {
+  Numbering(std::size_t expected, std::size_t n_local) : n_local_(static_cast<std::int32_t>(n_local)) {
+    if (n_local == 0) resize(expected);
+  }
+  std::int32_t number(std::int64_t id, std::int32_t local) {
+    if (n_local_ > 0) return local;
     if (2 * static_cast<std::size_t>(n_) >= keys_.size()) resize(2 * static_cast<std::size_t>(n_));
     const std::size_t at = slot(id);
     if (keys_[at] != id) {
@@ -23,11 +29,7 @@ class Numbering {
     }
     return values_[at];
   }
-  std::int32_t find(std::int64_t id) const {
-    const std::size_t at = slot(id);
-    return keys_[at] == id ? values_[at] : -1;
-  }
-  std::size_t size() const { return static_cast<std::size_t>(n_); }
+  std::size_t size() const { return static_cast<std::size_t>(n_local_ > 0 ? n_local_ : n_); }
 
  private:
   void resize(std::size_t expected) {
@@ -50,193 +52,32 @@ class Numbering {
     while (keys_[at] != -1 && keys_[at] != id) at = (at + 1) & mask;
     return at;
   }
-  std::int32_t n_ = 0;
+  std::int32_t n_local_ = 0, n_ = 0;
   std::vector<std::int64_t> keys_;
   std::vector<std::int32_t> values_;
 };
 
-/// Boxes of the slaves of every part, with their allowances: facets far from all other parts' slaves are left out.
-class PartBoxes {
- public:
-  explicit PartBoxes(const std::vector<ContactNodeRecord>& slaves) {
-    for (const ContactNodeRecord& s : slaves) {
-      if (static_cast<std::size_t>(s.part) >= boxes_.size()) boxes_.resize(static_cast<std::size_t>(s.part) + 1);
-      Box& b = boxes_[s.part];
-      for (int d = 0; d < 3; ++d) {
-        b.low[d] = std::min(b.low[d], s.position[d] - s.allowance);
-        b.high[d] = std::max(b.high[d], s.position[d] + s.allowance);
-      }
-    }
-  }
-  bool meets_other_part(const ContactFacetRecord& f) const {
-    for (std::size_t p = 0; p < boxes_.size(); ++p) {
-      if (static_cast<std::int32_t>(p) == f.part) continue;
-      bool meets = true;
-      for (int d = 0; d < 3; ++d)
-        meets = meets && f.low[d] - f.allowance <= boxes_[p].high[d] && f.high[d] + f.allowance >= boxes_[p].low[d];
-      if (meets) return true;
-    }
-    return false;
-  }
-
- private:
-  struct Box {
-    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
-  };
-  std::vector<Box> boxes_;
-};
-
-/// Facets by the cells that their boxes touch, each box inflated by the facet's and a typical slave's allowance, so
-/// that most slaves need to look into one cell only. There is one grid for pairs within a part, whose allowances are
-/// small, and one for pairs of different parts.
-class FacetGrid {
- public:
-  FacetGrid(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets, bool own)
-      : own_(own) {
-    if (facets.empty()) return;
-    if (slaves.empty()) {
-      for (std::size_t i = 0; i < facets.size(); ++i)
-        skipped_.push_back(entry_of(facets[i], static_cast<std::int32_t>(i)));
-      return;
-    }
-    double sum = 0.0;
-    for (const auto& s : slaves) sum += own ? s.own_allowance : s.allowance;
-    typical_ = 1.2 * sum / static_cast<double>(slaves.size());
-    sum = 0.0;
-    for (const auto& f : facets)
-      for (int d = 0; d < 3; ++d) sum += high_of(f)[d] - low_of(f)[d] + 2.0 * (reach(f) + typical_);
-    per_cell_ = sum > 0.0 ? 3.0 * static_cast<double>(facets.size()) / sum : 1.0;
-    std::size_t size = 64;
-    while (size < 4 * facets.size()) size *= 2;
-    first_.assign(size + 1, 0);
-    const PartBoxes others(own ? std::vector<ContactNodeRecord>{} : slaves);
-    const auto inflated = [&](const ContactFacetRecord& f, auto&& visit) {
-      if (!own && !others.meets_other_part(f)) return;
-      double low[3], high[3];
-      for (int d = 0; d < 3; ++d) {
-        low[d] = low_of(f)[d] - reach(f) - typical_;
-        high[d] = high_of(f)[d] + reach(f) + typical_;
-      }
-      each_cell(low, high, visit);
-    };
-    for (const auto& f : facets) inflated(f, [&](std::size_t b) { ++first_[b + 1]; });
-    for (std::size_t b = 0; b < size; ++b) first_[b + 1] += first_[b];
-    entries_.resize(static_cast<std::size_t>(first_[size]));
-    std::vector<std::int32_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t i = 0; i < facets.size(); ++i) {
-      const Entry entry = entry_of(facets[i], static_cast<std::int32_t>(i));
-      if (!own && !others.meets_other_part(facets[i])) skipped_.push_back(entry);
-      inflated(facets[i], [&](std::size_t b) { entries_[next[b]++] = entry; });
-    }
-  }
-
-  /// Adds a facet after the fact; such facets are looked at one by one.
-  void add(const ContactFacetRecord& f, std::int32_t number) { late_.push_back(entry_of(f, number)); }
-  const auto& late() const { return late_; }
-
-  /// Visits the facets that were far from all slaves of the search, for a slave that joined later.
-  template <class Visit>
-  void look_at_skipped(const ContactNodeRecord& slave, const Visit& visit) const {
-    const Probe probe(slave, own_);
-    for (const Entry& e : skipped_)
-      if (probe.meets(e)) visit(e.facet);
-  }
-
-  /// Visits all facets whose box a slave may meet; a facet may be visited more than once.
-  template <class Visit>
-  void look(const ContactNodeRecord& slave, const Visit& visit) const {
-    const Probe probe(slave, own_);
-    for (const Entry& e : late_)
-      if (probe.meets(e)) visit(e.facet);
-    if (entries_.empty()) return;
-    const double excess = std::max((own_ ? slave.own_allowance : slave.allowance) - typical_, 0.0);
-    const auto& x = own_ ? slave.own_position : slave.position;
-    double low[3], high[3];
-    for (int d = 0; d < 3; ++d) {
-      low[d] = x[d] - excess;
-      high[d] = x[d] + excess;
-    }
-    each_cell(low, high, [&](std::size_t b) {
-      for (std::int32_t i = first_[b]; i < first_[b + 1]; ++i)
-        if (probe.meets(entries_[i])) visit(entries_[i].facet);
-    });
-  }
-
-  /// What decides about most visits, side by side in memory: the box with the facet's allowance, rounded outwards.
-  struct Entry {
-    float low[3] = {}, high[3] = {};
-    std::int32_t facet = 0, part = 0;
-  };
-  /// A slave as it looks at entries.
-  struct Probe {
-    Probe(const ContactNodeRecord& slave, bool own) : own(own), part(slave.part) {
-      for (int d = 0; d < 3; ++d) x[d] = static_cast<float>((own ? slave.own_position : slave.position)[d]);
-      near = static_cast<float>(own ? slave.own_allowance : slave.allowance) * 1.0001f;
-    }
-    bool meets(const Entry& e) const {
-      // Bitwise "and": six comparisons cost less than six branches that nobody can predict.
-      return ((e.part == part) == own) & (x[0] + near >= e.low[0]) & (x[0] - near <= e.high[0]) &
-             (x[1] + near >= e.low[1]) & (x[1] - near <= e.high[1]) & (x[2] + near >= e.low[2]) &
-             (x[2] - near <= e.high[2]);
-    }
-    bool own;
-    std::int32_t part;
-    float x[3], near;
-  };
-
- private:
-  Entry entry_of(const ContactFacetRecord& f, std::int32_t number) const {
-    Entry e;
-    e.facet = number;
-    e.part = f.part;
-    for (int d = 0; d < 3; ++d) {
-      const double low = low_of(f)[d], high = high_of(f)[d], round_off = 1e-6 * (std::fabs(low) + std::fabs(high));
-      e.low[d] = static_cast<float>(low - reach(f) - round_off);
-      e.high[d] = static_cast<float>(high + reach(f) + round_off);
-    }
-    return e;
-  }
-  double reach(const ContactFacetRecord& f) const { return own_ ? f.own_allowance : f.allowance; }
-  const double (&low_of(const ContactFacetRecord& f) const)[3] { return own_ ? f.own_low : f.low; }
-  const double (&high_of(const ContactFacetRecord& f) const)[3] { return own_ ? f.own_high : f.high; }
-
-  template <class Visit>
-  void each_cell(const double (&low)[3], const double (&high)[3], const Visit& visit) const {
-    std::int64_t a[3], b[3];
-    for (int d = 0; d < 3; ++d) {
-      a[d] = static_cast<std::int64_t>(std::floor(low[d] * per_cell_));
-      b[d] = static_cast<std::int64_t>(std::floor(high[d] * per_cell_));
-    }
-    const std::size_t mask = first_.size() - 2;
-    for (std::int64_t i = a[0]; i <= b[0]; ++i)
-      for (std::int64_t j = a[1]; j <= b[1]; ++j)
-        for (std::int64_t k = a[2]; k <= b[2]; ++k) {
-          const auto h = static_cast<std::uint64_t>(i) * 73856093u ^ static_cast<std::uint64_t>(j) * 19349663u ^
-                         static_cast<std::uint64_t>(k) * 83492791u;
-          visit(static_cast<std::size_t>(h ^ h >> 17) & mask);
-        }
-  }
-
-  bool own_ = false;
-  double per_cell_ = 1.0, typical_ = 0.0;
-  std::vector<std::int32_t> first_;
-  std::vector<Entry> entries_, late_, skipped_;
-};
+/// Node numbers of a facet's corners, then of the other four nodes of its element.
+using Corners = std::array<std::int32_t, 8>;
 
 /// Facets around every node of the surface, as they come and go.
 class Around {
  public:
-  void build(const std::vector<std::int32_t>& corner, std::size_t n_nodes) {
+  void build(const std::vector<Corners>& corners, std::size_t n_nodes) {
     first_.assign(n_nodes + 1, 0);
-    for (const std::int32_t n : corner) ++first_[n + 1];
+    for (const Corners& c : corners)
+      for (int k = 0; k < 4; ++k) ++first_[c[k] + 1];
     for (std::size_t n = 0; n < n_nodes; ++n) first_[n + 1] += first_[n];
-    facet_.resize(corner.size());
+    facet_.resize(4 * corners.size());
     std::vector<std::int32_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t i = 0; i < corner.size(); ++i) facet_[next[corner[i]]++] = static_cast<std::int32_t>(i / 4);
+    for (std::size_t f = 0; f < corners.size(); ++f)
+      for (int k = 0; k < 4; ++k) facet_[next[corners[f][k]]++] = static_cast<std::int32_t>(f);
   }
   std::span<const std::int32_t> of(std::int32_t node) const {
-    const auto it = changed_.find(node);
-    if (it != changed_.end()) return it->second;
+    if (!changed_.empty()) {
+      const auto it = changed_.find(node);
+      if (it != changed_.end()) return it->second;
+    }
     if (node + 1 >= static_cast<std::int32_t>(first_.size())) return {};
     return {facet_.data() + first_[node], static_cast<std::size_t>(first_[node + 1] - first_[node])};
   }
@@ -272,7 +113,7 @@ class Compactor {
     }
     return node_[number];
   }
-  std::int32_t facet(std::int32_t f, const std::vector<std::int32_t>& corner) {
+  std::int32_t facet(std::int32_t f, const std::vector<Corners>& corners) {
     if (facet_[f] < 0) {
       facet_[f] = static_cast<std::int32_t>(out.facet_id.size());
       const ContactFacetRecord& r = facets_[f];
@@ -281,7 +122,7 @@ class Compactor {
       out.facet_bulk_modulus.push_back(r.bulk_modulus);
       out.facet_volume.push_back(r.volume);
       for (int k = 0; k < 4; ++k)
-        out.facet_nodes.push_back(node(corner[4 * f + k], r.nodes[k], r.owners[k], r.locals[k], r.part));
+        out.facet_nodes.push_back(node(corners[f][k], r.nodes[k], r.owners[k], r.locals[k], r.part));
     }
     return facet_[f];
   }
@@ -292,6 +133,36 @@ class Compactor {
   std::vector<std::int32_t> node_, facet_;
 };
 
+/// Boxes of consecutive slaves, which are neighbours as a rule: most facets that come are far from most of them.
+class SlaveClusters {
+ public:
+  void add(const ContactNodeRecord& slave) {
+    if (n_ % size == 0) boxes_.emplace_back();
+    ++n_;
+    boxes_.back().box.include(slave.box);
+    boxes_.back().own_box.include(slave.own_box);
+  }
+  /// Calls `visit(slave number)` for all slaves before `end` that might meet one of the facets.
+  template <class Visit>
+  void near(std::span<const ContactFacetRecord> facets, std::size_t end, const Visit& visit) const {
+    for (std::size_t c = 0; c * size < end; ++c) {
+      const bool meets = std::any_of(facets.begin(), facets.end(), [&](const ContactFacetRecord& f) {
+        return boxes_[c].box.meets(f.box) || boxes_[c].own_box.meets(f.own_box);
+      });
+      if (!meets) continue;
+      for (std::size_t s = c * size; s < std::min(end, (c + 1) * size); ++s) visit(s);
+    }
+  }
+
+ private:
+  static constexpr std::size_t size = 32;
+  struct Boxes {
+    Box box, own_box;
+  };
+  std::size_t n_ = 0;
+  std::vector<Boxes> boxes_;
+};
+
 }  // namespace
 
 struct CandidateSearch::Tables {
@@ -299,49 +170,63 @@ struct CandidateSearch::Tables {
   std::vector<ContactFacetRecord> facets;
   bool same_part;
   Numbering numbering;
-  std::vector<std::int32_t> corner;  // node number of each facet's corners
+  std::vector<Corners> corners;
   std::vector<std::int32_t> number;  // node number of each slave
+  std::vector<std::int32_t> slave_of;  // per node number: the slave, or -1
   std::vector<char> alive;  // per facet
   Around around;
   FacetGrid others, own;
+  SlaveClusters clusters;
   std::vector<std::vector<std::int32_t>> found;  // per slave: facets, sorted by id; dead ones are left in
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
   std::int32_t mark = 0;
   std::size_t n_first = 0;  // slaves of the search; the others joined later
 
-  Tables(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, bool same)
+  Tables(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, bool same, std::size_t n_local)
       : slaves(std::move(s)),
         facets(std::move(f)),
         same_part(same),
-        numbering(slaves.size() + facets.size()),
+        numbering(slaves.size() + 2 * facets.size(), n_local),
         others(slaves, facets, false),
         own(slaves, same ? facets : std::vector<ContactFacetRecord>{}, true) {
-    for (const ContactFacetRecord& facet : facets)
-      for (const std::int64_t id : facet.nodes) corner.push_back(numbering.number(id));
-    for (const ContactNodeRecord& slave : slaves) number.push_back(numbering.number(slave.id));
+    corners.reserve(facets.size());
+    for (const ContactFacetRecord& facet : facets) corners.push_back(corners_of(facet));
+    for (const ContactNodeRecord& slave : slaves) join(slave);
+    resize();
     alive.assign(facets.size(), 1);
-    around.build(corner, numbering.size());
-    ring.assign(numbering.size(), 0);
-    found.resize(slaves.size());
+    around.build(corners, numbering.size());
     n_first = slaves.size();
-    for (std::size_t i = 0; i < slaves.size(); ++i) find(i);
+    for (std::size_t i = 0; i < slaves.size(); ++i) {
+      slave_of[number[i]] = static_cast<std::int32_t>(i);
+      find(i);
+    }
   }
 
+  Corners corners_of(const ContactFacetRecord& facet) {
+    Corners c;
+    for (int k = 0; k < 8; ++k) c[k] = numbering.number(facet.nodes[k], facet.locals[k]);
+    return c;
+  }
+  void join(const ContactNodeRecord& slave) {
+    number.push_back(numbering.number(slave.id, slave.local));
+    clusters.add(slave);
+  }
+  void resize() {
+    ring.resize(numbering.size(), 0);
+    slave_of.resize(numbering.size(), -1);
+    found.resize(slaves.size());
+  }
   /// Marks the nodes of the facets around a slave.
   void mark_ring(std::size_t s) {
     ++mark;
     ring[number[s]] = mark;
     for (const std::int32_t f : around.of(number[s]))
-      for (int k = 0; k < 4; ++k) ring[corner[4 * f + k]] = mark;
+      for (int k = 0; k < 4; ++k) ring[corners[f][k]] = mark;
   }
   /// Whether a facet's element has a node of the marked ring.
   bool touches_ring(std::int32_t f) const {
-    for (int k = 0; k < 4; ++k) {
-      if (ring[corner[4 * f + k]] == mark) return true;
-      const std::int32_t far_side = numbering.find(facets[f].opposite[k]);
-      if (far_side >= 0 && ring[far_side] == mark) return true;
-    }
-    return false;
+    const Corners& c = corners[f];
+    return std::any_of(c.begin(), c.end(), [&](std::int32_t n) { return ring[n] == mark; });
   }
   void sort_by_id(std::vector<std::int32_t>& list) const {
     std::sort(list.begin(), list.end(), [&](std::int32_t a, std::int32_t b) { return facets[a].id < facets[b].id; });
@@ -365,7 +250,7 @@ struct CandidateSearch::Tables {
     };
     own.look(slaves[s], take_own);
     if (s >= n_first) own.look_at_skipped(slaves[s], take_own);
-    if (!list.empty()) sort_by_id(list);
+    if (list.size() > 1) sort_by_id(list);
   }
   /// Pairs of a slave with facets that have just come.
   void find_new(std::size_t s, std::size_t first_new) {
@@ -385,11 +270,42 @@ struct CandidateSearch::Tables {
     }
     if (found[s].size() != before) sort_by_id(found[s]);
   }
+  /// Takes out the facets of some elements; their corners are added to `affected`.
+  void kill(const std::vector<std::int64_t>& elements, std::vector<std::int32_t>& affected) {
+    std::vector<std::int64_t> dead = elements;
+    std::sort(dead.begin(), dead.end());
+    // Most facets are none of theirs, which a few bits of their ids tell.
+    constexpr std::int64_t few = 4096;
+    std::vector<char> maybe(few, 0);
+    for (const std::int64_t id : dead) maybe[static_cast<std::size_t>(id % few)] = 1;
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+      const std::int64_t element = facets[f].id / 8;
+      if (maybe[static_cast<std::size_t>(element % few)] == 0 || alive[f] == 0) continue;
+      if (!std::binary_search(dead.begin(), dead.end(), element)) continue;
+      alive[f] = 0;
+      for (int k = 0; k < 4; ++k) {
+        around.remove(corners[f][k], static_cast<std::int32_t>(f));
+        affected.push_back(corners[f][k]);
+      }
+    }
+  }
+  void add(const ContactFacetRecord& facet, std::vector<std::int32_t>& affected) {
+    const auto f = static_cast<std::int32_t>(facets.size());
+    facets.push_back(facet);
+    alive.push_back(1);
+    corners.push_back(corners_of(facet));
+    for (int k = 0; k < 4; ++k) {
+      around.add(corners[f][k], f);
+      affected.push_back(corners[f][k]);
+    }
+    others.add(facet, f);
+    if (same_part) own.add(facet, f);
+  }
 };
 
 CandidateSearch::CandidateSearch(std::vector<ContactNodeRecord> slaves, std::vector<ContactFacetRecord> facets,
-                                 bool same_part)
-    : tables_(std::make_unique<Tables>(std::move(slaves), std::move(facets), same_part)) {}
+                                 bool same_part, std::size_t n_local)
+    : tables_(std::make_unique<Tables>(std::move(slaves), std::move(facets), same_part, n_local)) {}
 
 CandidateSearch::~CandidateSearch() = default;
 
@@ -397,44 +313,26 @@ void CandidateSearch::change(const std::vector<std::int64_t>& dead_elements,
                              const std::vector<ContactFacetRecord>& new_facets,
                              const std::vector<ContactNodeRecord>& new_slaves) {
   Tables& t = *tables_;
-  std::vector<std::int64_t> dead = dead_elements;
-  std::sort(dead.begin(), dead.end());
   std::vector<std::int32_t> affected;  // nodes whose surroundings changed
-  for (std::size_t f = 0; f < t.facets.size(); ++f) {
-    if (t.alive[f] == 0 || !std::binary_search(dead.begin(), dead.end(), t.facets[f].id / 8)) continue;
-    t.alive[f] = 0;
-    for (int k = 0; k < 4; ++k) {
-      t.around.remove(t.corner[4 * f + k], static_cast<std::int32_t>(f));
-      affected.push_back(t.corner[4 * f + k]);
-    }
-  }
+  t.kill(dead_elements, affected);
   const std::size_t first_new = t.facets.size(), n_old = t.slaves.size();
-  for (const ContactFacetRecord& facet : new_facets) {
-    const auto f = static_cast<std::int32_t>(t.facets.size());
-    t.facets.push_back(facet);
-    t.alive.push_back(1);
-    for (const std::int64_t id : facet.nodes) {
-      t.corner.push_back(t.numbering.number(id));
-      t.around.add(t.corner.back(), f);
-      affected.push_back(t.corner.back());
-    }
-    t.others.add(facet, f);
-    if (t.same_part) t.own.add(facet, f);
-  }
+  for (const ContactFacetRecord& facet : new_facets) t.add(facet, affected);
+  t.resize();
+  t.clusters.near(new_facets, n_old, [&](std::size_t s) { t.find_new(s, first_new); });
   for (const ContactNodeRecord& slave : new_slaves) {
     t.slaves.push_back(slave);
-    t.number.push_back(t.numbering.number(slave.id));
+    t.join(slave);
   }
-  t.ring.resize(t.numbering.size(), 0);
-  t.found.resize(t.slaves.size());
-  std::vector<char> is_affected(t.numbering.size(), 0);
-  for (const std::int32_t n : affected) is_affected[n] = 1;
-  for (std::size_t s = 0; s < t.slaves.size(); ++s) {
-    if (s >= n_old || is_affected[t.number[s]] != 0)
-      t.find(s);
-    else if (first_new < t.facets.size())
-      t.find_new(s, first_new);
+  t.resize();
+  for (std::size_t s = n_old; s < t.slaves.size(); ++s) {
+    t.slave_of[t.number[s]] = static_cast<std::int32_t>(s);
+    t.find(s);
   }
+  std::sort(affected.begin(), affected.end());
+  affected.erase(std::unique(affected.begin(), affected.end()), affected.end());
+  for (const std::int32_t n : affected)
+    if (t.slave_of[n] >= 0 && t.slave_of[n] < static_cast<std::int32_t>(n_old))
+      t.find(static_cast<std::size_t>(t.slave_of[n]));
 }
 
 Candidates CandidateSearch::candidates() const {
@@ -442,31 +340,22 @@ Candidates CandidateSearch::candidates() const {
   Compactor compact(t.facets, t.numbering.size(), t.facets.size());
   std::vector<std::int32_t> around;
   for (std::size_t s = 0; s < t.slaves.size(); ++s) {
+    if (t.found[s].empty()) continue;
     Candidates& out = compact.out;
     const std::size_t before = out.candidate.size();
     for (const std::int32_t f : t.found[s])
-      if (t.alive[f] != 0) out.candidate.push_back(compact.facet(f, t.corner));
+      if (t.alive[f] != 0) out.candidate.push_back(compact.facet(f, t.corners));
     if (out.candidate.size() == before) continue;
     const ContactNodeRecord& slave = t.slaves[s];
     out.slave.push_back(compact.node(t.number[s], slave.id, slave.owner, slave.local, slave.part));
     const auto now = t.around.of(t.number[s]);
     around.assign(now.begin(), now.end());
     t.sort_by_id(around);
-    for (const std::int32_t f : around) out.around.push_back(compact.facet(f, t.corner));
+    for (const std::int32_t f : around) out.around.push_back(compact.facet(f, t.corners));
     out.first_candidate.push_back(static_cast<std::int32_t>(out.candidate.size()));
     out.first_around.push_back(static_cast<std::int32_t>(out.around.size()));
   }
   return std::move(compact.out);
-}
-
-Candidates find_candidates(std::vector<ContactNodeRecord> slaves, std::vector<ContactFacetRecord> facets,
-                           bool same_part) {
-  for (ContactNodeRecord& s : slaves) std::copy_n(s.position, 3, s.own_position);
-  for (ContactFacetRecord& f : facets) {
-    std::copy_n(f.low, 3, f.own_low);
-    std::copy_n(f.high, 3, f.own_high);
-  }
-  return CandidateSearch(std::move(slaves), std::move(facets), same_part).candidates();
 }
 
 }  // namespace kerf

@@ -21,13 +21,15 @@ struct Candidates {
   std::vector<double> facet_bulk_modulus, facet_volume;
 };
 
-/// A slave and a facet are candidates where the slave's position, inflated by both allowances, meets the facet's
-/// box (to single precision, rounded outwards), their roles match, and, within one part (only if `same_part`), the
-/// facet's element shares no node with the facets around the slave.
+/// A slave and a facet are candidates where their boxes meet (their own boxes within one part, which counts only if
+/// `same_part`), their roles match, and, within one part, the facet's element shares no node with the facets around the
+/// slave.
 class CandidateSearch {
  public:
-  /// Slaves are given once each; facets may come in any order.
-  CandidateSearch(std::vector<ContactNodeRecord> slaves, std::vector<ContactFacetRecord> facets, bool same_part);
+  /// Slaves are given once each; facets may come in any order. Where all records, also later ones, come from one rank,
+  /// `n_local` is the number of its nodes; otherwise 0.
+  CandidateSearch(std::vector<ContactNodeRecord> slaves, std::vector<ContactFacetRecord> facets, bool same_part,
+                  std::size_t n_local);
   ~CandidateSearch();
 
   /// The facets of some elements vanish, others appear, and nodes join the slaves. The candidates are then the same as
@@ -40,9 +42,5 @@ class CandidateSearch {
   struct Tables;
   std::unique_ptr<Tables> tables_;
 };
-
-/// The candidates of one search whose records have no own positions yet.
-Candidates find_candidates(std::vector<ContactNodeRecord> slaves, std::vector<ContactFacetRecord> facets,
-                           bool same_part);
 
 }  // namespace kerf

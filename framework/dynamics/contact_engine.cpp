@@ -12,6 +12,15 @@
 
 namespace kerf {
 
+namespace {
+
+constexpr double farthest = 125.0;  // how far a search looks ahead at most, in slacks: four of the longest edges
+constexpr double unsteady = 0.25;  // share of a node's motion within its part that it may change by unforeseen
+
+Vec3 centre_of(const Box& box) { return {box.centre(0), box.centre(1), box.centre(2)}; }
+
+}  // namespace
+
 ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space)
     : law_(law),
       request_(law.request()),
@@ -21,57 +30,67 @@ ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique
   for (const auto& boundary : model.input->boundaries) mirrored_.emplace_back(model, boundary->nodes());
 }
 
+void ContactEngine::renumbered(const Model& model) {
+  invalidate();
+  on_mirror_.assign(mirrored_.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
+  // By the undeformed position, which does not depend on when the question is asked.
+  for (std::size_t i = 0; i < on_mirror_.size(); ++i) {
+    const Vec3 x = reference_position(model, model.nodes.id[i]);
+    for (std::size_t b = 0; b < mirrored_.size(); ++b)
+      if (model.input->boundaries[b]->mirrors(x)) on_mirror_[i] |= std::uint64_t{1} << b;
+  }
+}
+
 /// Takes out facets on planes of symmetry: the body goes on behind them.
 void ContactEngine::drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const {
   if (mirrored_.empty()) return;
-  const NodeStore& nodes = model.nodes;
   std::erase_if(facets, [&](const ExteriorFacet& f) {
-    std::int32_t node[4];
-    std::uint64_t sets[4];
+    std::uint64_t all = ~std::uint64_t{0}, sets[4];
     for (int k = 0; k < 4; ++k) {
-      node[k] = model.parts[f.part].store->node(f.slot, hex_face[f.face][k]);
-      sets[k] = nodes.sets[node[k]];
+      const std::int32_t node = model.parts[f.part].store->node(f.slot, hex_face[f.face][k]);
+      all &= on_mirror_[node];
+      sets[k] = model.nodes.sets[node];
     }
-    for (std::size_t b = 0; b < mirrored_.size(); ++b) {
-      if (!mirrored_[b].holds_facet(f.part, sets)) continue;
-      // By the undeformed position, which does not depend on when the question is asked; for most facets, the first
-      // corner's settles it.
-      const auto on_plane = [&](std::int32_t n) {
-        return model.input->boundaries[b]->mirrors(reference_position(model, nodes.id[n]));
-      };
-      if (std::all_of(node, node + 4, on_plane)) return true;
-    }
+    for (std::size_t b = 0; b < mirrored_.size() && all != 0; ++b)
+      if ((all >> b & 1u) != 0 && mirrored_[b].holds_facet(f.part, sets)) return true;
     return false;
   });
 }
 
-/// How far a node may move until the next search, relative to all parts and to its own, from where it is now.
-void ContactEngine::track(const Model& model, int node, double time) {
-  const Vec3 v = model.nodes.v(node);
+/// The box of a node that is at a position at a time and may change its velocity somewhat, until the next search, seen
+/// from a frame.
+Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const {
+  const Vec3 here = position - frame * (time - search_time_);
+  Vec3 way = (velocity - frame) * (search_time_ + horizon_ - time);
   // Bounded: one racing node must not make boxes that hold the whole model. It will call for a search sooner.
-  const double most = 0.25 * model.dummy_edge;  // four of the longest edges of the undeformed mesh
-  allowance_[node] = std::min(1.25 * norm(v - drift_velocity_) * horizon_ + slack_, most);
-  own_allowance_[node] = std::min(1.25 * norm(v - part_velocities_[model.nodes.part[node]]) * horizon_ + slack_, most);
-  reference_[node] = model.nodes.x(node);
-  reference_time_[node] = time;
+  const double length = norm(way), most = farthest * slack_;
+  if (length > most) way = way * (most / length);
+  return Box::spanned(here, here + way, margin);
 }
 
-Vec3 ContactEngine::reference(int node, Vec3 motion) const {
-  return reference_[node] - motion * (reference_time_[node] - search_time_);
+/// Foresees where a node may be until the next search. False where it has no role in this contact.
+bool ContactEngine::track(const Model& model, int node, double time) {
+  const NodeStore& nodes = model.nodes;
+  if (!slaves_.holds(nodes, node) && !masters_.holds(nodes, node)) return false;
+  const Vec3 x = nodes.x(node), v = nodes.v(node), own = part_velocities_[nodes.part[node]];
+  const double left = search_time_ + horizon_ - time;
+  const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
+  track_of_[node] = static_cast<std::int32_t>(tracked_.size());
+  tracked_.push_back({whereabouts(x, v, drift_velocity_, margin, time), whereabouts(x, v, own, margin, time), node,
+                      nodes.part[node]});
+  return true;
 }
 
-/// A node may move by its allowance before the candidates become incomplete. Positions have been advanced already.
+/// Positions have been advanced already.
 bool ContactEngine::moved_too_far(const Model& model, const Step& step) const {
-  const double* x = model.nodes.position.data();
-  for (const Tracked& t : tracked_) {
-    const double* p = x + 4 * static_cast<std::int64_t>(t.node);
-    const Vec3 moved = Vec3{p[0], p[1], p[2]} - Vec3{t.position[0], t.position[1], t.position[2]};
-    const double since = step.end() - t.time;
-    const Vec3 away = moved - drift_velocity_ * since, within = moved - part_velocities_[t.part] * since;
-    if (!(dot(away, away) <= t.allowance * t.allowance) || !(dot(within, within) <= t.own_allowance * t.own_allowance))
-      return true;
-  }
-  return false;
+  const double since = step.end() - search_time_;
+  std::vector<Vec3> way;
+  for (const Vec3 v : part_velocities_) way.push_back(v * since);
+  const Vec3 drift = drift_velocity_ * since;
+  return std::any_of(tracked_.begin(), tracked_.end(), [&](const Tracked& t) {
+    const Vec3 x = model.nodes.x(t.node);
+    return !(t.box.holds(x - drift) & t.own_box.holds(x - way[t.part]));
+  });
 }
 
 std::vector<char> ContactEngine::mark_exterior(const Model& model, const std::vector<ExteriorFacet>& facets) const {
@@ -85,75 +104,76 @@ std::vector<char> ContactEngine::mark_exterior(const Model& model, const std::ve
   return mark;
 }
 
-/// Tracks a node and, if this rank owns it and it plays a role, makes it a slave.
+/// Tracks a node and, if this rank owns it and it plays that role, makes it a slave.
 void ContactEngine::collect_slave(const Model& model, int i, double time, std::vector<ContactNodeRecord>& records) {
   const NodeStore& nodes = model.nodes;
-  track(model, i, time);
-  if (!nodes.owned[i]) return;
-  const bool slave = slaves_.holds(nodes, i), master = masters_.holds(nodes, i);
-  if (!slave && !master) return;
-  const Vec3 x = nodes.x(i);
-  tracked_.push_back({i, {x.x, x.y, x.z}, time, own_allowance_[i], allowance_[i], nodes.part[i]});
+  if (!track(model, i, time) || !nodes.owned[i]) return;
   ContactNodeRecord r;
-  r.role = (slave ? 1u : 0u) | (master && request_.symmetric ? 2u : 0u);
+  r.role = (slaves_.holds(nodes, i) ? 1u : 0u) | (request_.symmetric && masters_.holds(nodes, i) ? 2u : 0u);
   if (r.role == 0) return;
   r.id = nodes.id[i];
-  const Vec3 all = reference(i, drift_velocity_), own = reference(i, part_velocities_[nodes.part[i]]);
-  for (int d = 0; d < 3; ++d) {
-    r.position[d] = all[d];
-    r.own_position[d] = own[d];
-  }
-  r.allowance = allowance_[i];
-  r.own_allowance = own_allowance_[i];
+  r.box = tracked_.back().box;
+  r.own_box = tracked_.back().own_box;
   r.local = i;
   r.part = nodes.part[i];
   r.owner = model.rank();
   records.push_back(r);
 }
 
+/// Fills the record of a facet whose corners are tracked. False where it has no role in this contact.
+bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& r) const {
+  const NodeStore& nodes = model.nodes;
+  const PartModel& part = model.parts[f.part];
+  std::uint64_t sets[4];
+  for (int k = 0; k < 8; ++k) {
+    const auto& corners = hex_face[k < 4 ? f.face : opposite_face[f.face]];
+    r.locals[k] = part.store->node(f.slot, corners[k % 4]);
+    r.nodes[k] = nodes.id[r.locals[k]];
+    if (k < 4) sets[k] = nodes.sets[r.locals[k]];
+  }
+  const bool master = masters_.holds_facet(f.part, sets), slave = slaves_.holds_facet(f.part, sets);
+  r.role = (master ? 1u : 0u) | (slave && request_.symmetric ? 2u : 0u);
+  if (r.role == 0) return false;
+  r.id = part.store->id(f.slot) * 8 + f.face;
+  r.part = f.part;
+  r.bulk_modulus = part.bulk_modulus;
+  r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
+  Vec3 x[4];
+  for (int k = 0; k < 4; ++k) {
+    const Tracked& t = tracked_[track_of_[r.locals[k]]];
+    x[k] = nodes.x(r.locals[k]);
+    r.owners[k] = model.node_owner[r.locals[k]];
+    r.box.include(t.box);
+    r.own_box.include(t.own_box);
+  }
+  const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
+  const double reach = law_.reach(longest_edge(r.locals), r.volume / std::max(area, 1e-300));
+  r.box.inflate(reach);
+  r.own_box.inflate(reach);
+  return true;
+}
+
+/// How long an edge of a facet may become until the next search, wherever its corners go.
+double ContactEngine::longest_edge(const std::int32_t* corners) const {
+  double longest = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    const Box& a = tracked_[track_of_[corners[k]]].own_box;
+    const Box& b = tracked_[track_of_[corners[(k + 1) % 4]]].own_box;
+    Vec3 most;
+    for (int d = 0; d < 3; ++d)
+      most[d] = std::max(static_cast<double>(a.high[d]) - b.low[d], static_cast<double>(b.high[d]) - a.low[d]);
+    longest = std::max(longest, dot(most, most));
+  }
+  return std::sqrt(longest);
+}
+
 std::vector<ContactFacetRecord> ContactEngine::collect_facets(const Model& model,
                                                               const std::vector<ExteriorFacet>& facets) const {
-  const NodeStore& nodes = model.nodes;
   std::vector<ContactFacetRecord> records;
   records.reserve(facets.size());
   for (const ExteriorFacet& f : facets) {
-    const PartModel& part = model.parts[f.part];
-    ContactFacetRecord r;
-    std::uint64_t sets[4];
-    Vec3 x[4], all[4], own[4];
-    for (int k = 0; k < 4; ++k) {
-      const std::int32_t n = part.store->node(f.slot, hex_face[f.face][k]);
-      all[k] = reference(n, drift_velocity_);
-      own[k] = reference(n, part_velocities_[f.part]);
-      r.nodes[k] = nodes.id[n];
-      r.owners[k] = model.node_owner[n];
-      sets[k] = nodes.sets[n];
-      x[k] = nodes.x(n);
-      r.locals[k] = n;
-      r.allowance = std::max(r.allowance, allowance_[n]);
-      r.own_allowance = std::max(r.own_allowance, own_allowance_[n]);
-    }
-    for (int k = 0; k < 4; ++k) r.opposite[k] = nodes.id[part.store->node(f.slot, hex_face[opposite_face[f.face]][k])];
-    const bool master = masters_.holds_facet(f.part, sets), slave = slaves_.holds_facet(f.part, sets);
-    r.role = (master ? 1u : 0u) | (slave && request_.symmetric ? 2u : 0u);
-    if (r.role == 0) continue;
-    r.id = part.store->id(f.slot) * 8 + f.face;
-    r.part = f.part;
-    r.bulk_modulus = part.bulk_modulus;
-    r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
-    double longest = 0.0;
-    for (int k = 0; k < 4; ++k) longest = std::max(longest, norm(x[(k + 1) % 4] - x[k]));
-    const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
-    // Until the next search the facet may grow by what its corners may move.
-    const double reach =
-        law_.reach(longest + 2.0 * std::min(r.allowance, r.own_allowance), r.volume / std::max(area, 1e-300));
-    for (int d = 0; d < 3; ++d) {
-      r.low[d] = std::min({all[0][d], all[1][d], all[2][d], all[3][d]}) - reach;
-      r.high[d] = std::max({all[0][d], all[1][d], all[2][d], all[3][d]}) + reach;
-      r.own_low[d] = std::min({own[0][d], own[1][d], own[2][d], own[3][d]}) - reach;
-      r.own_high[d] = std::max({own[0][d], own[1][d], own[2][d], own[3][d]}) + reach;
-    }
-    records.push_back(r);
+    records.emplace_back();
+    if (!collect_facet(model, f, records.back())) records.pop_back();
   }
   return records;
 }
@@ -166,7 +186,7 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   const auto share = [&] {
     for (auto& list : nodes_out) list.clear();
     for (const ContactNodeRecord& s : slaves)
-      nodes_out[space_->owner({s.position[0], s.position[1], s.position[2]})].push_back(s);
+      nodes_out[space_->owner(centre_of(s.box))].push_back(s);
   };
   const auto uneven = [&] {
     std::vector<std::int64_t> counts(n_ranks);
@@ -182,7 +202,8 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   if (space_built_) share();
   if (!space_built_ || uneven()) {
     std::vector<double> coordinates, weights(slaves.size(), 1.0);
-    for (const ContactNodeRecord& s : slaves) coordinates.insert(coordinates.end(), s.position, s.position + 3);
+    for (const ContactNodeRecord& s : slaves)
+      for (int d = 0; d < 3; ++d) coordinates.push_back(s.box.centre(d));
     space_->build(model.comm, coordinates, weights);
     space_built_ = true;
     share();
@@ -191,14 +212,13 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   send(model, slaves, facets);
 }
 
-/// How far slaves reach out of their box: their allowance, from either of their two positions. Collective.
+/// How far slaves reach out of the place that decides about their rank. Collective.
 double ContactEngine::reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
   double reach = 0.0;
-  for (const ContactNodeRecord& s : slaves) {
-    double apart = 0.0;
-    for (int d = 0; d < 3; ++d) apart += std::fabs(s.position[d] - s.own_position[d]);
-    reach = std::max({reach, s.allowance, s.own_allowance + apart});
-  }
+  for (const ContactNodeRecord& s : slaves)
+    for (int d = 0; d < 3; ++d)
+      for (const Box* box : {&s.box, &s.own_box})
+        reach = std::max({reach, box->high[d] - s.box.centre(d), s.box.centre(d) - box->low[d]});
   return greatest(model.comm, reach);
 }
 
@@ -207,18 +227,14 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
                          std::vector<ContactFacetRecord>& facets) {
   const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
   std::vector<std::vector<ContactNodeRecord>> nodes_out(n_ranks);
-  for (const ContactNodeRecord& s : slaves)
-    nodes_out[space_->owner({s.position[0], s.position[1], s.position[2]})].push_back(s);
+  for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(centre_of(s.box))].push_back(s);
   std::vector<std::vector<ContactFacetRecord>> facets_out(n_ranks);
   std::vector<int> ranks;
   for (const ContactFacetRecord& f : facets) {
-    const double inflate = slave_reach_ + std::max(f.allowance, f.own_allowance);
-    Vec3 low, high;
-    for (int d = 0; d < 3; ++d) {
-      low[d] = std::min(f.low[d], f.own_low[d]) - inflate;
-      high[d] = std::max(f.high[d], f.own_high[d]) + inflate;
-    }
-    space_->owners(low, high, ranks);
+    Box box = f.box;
+    box.include(f.own_box);
+    box.inflate(slave_reach_);
+    space_->owners({box.low[0], box.low[1], box.low[2]}, {box.high[0], box.high[1], box.high[2]}, ranks);
     for (const int r : ranks) facets_out[r].push_back(f);
   }
   slaves.clear();
@@ -286,18 +302,15 @@ void ContactEngine::search(Model& model, const Step& step) {
   last_search_ = step.cycle;
   valid_ = true;
 
-  const auto n_nodes = static_cast<std::size_t>(model.nodes.n());
-  allowance_.resize(n_nodes);
-  own_allowance_.resize(n_nodes);
-  reference_.resize(n_nodes);
-  reference_time_.assign(n_nodes, -1.0);
+  track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
   std::vector<ContactNodeRecord> slaves;
   for (int i = 0; i < model.nodes.n(); ++i)
     if (mark[i] != 0 || takes_free(model, i)) collect_slave(model, i, search_time_, slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, exterior);
   if (model.n_ranks() > 1) distribute(model, slaves, facets);
-  search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part);
+  search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,
+                                              model.n_ranks() == 1 ? track_of_.size() : 0);
   found_ = search_->candidates();
   connect(model);
 }
@@ -321,7 +334,7 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
   sum_over_copies(model, joins.data(), 1);
   std::vector<ContactNodeRecord> slaves;
   for (int i = 0; i < model.nodes.n(); ++i)
-    if (joins[i] != 0 && reference_time_[i] < 0.0) collect_slave(model, i, time, slaves);
+    if (joins[i] != 0 && track_of_[i] < 0) collect_slave(model, i, time, slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, opened);
   std::vector<std::int64_t> dead = dead_elements;
   if (model.n_ranks() > 1) {

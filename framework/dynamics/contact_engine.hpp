@@ -5,6 +5,7 @@
 // reach into it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,8 +25,10 @@ class ContactEngine {
   /// `space` is needed on more than one rank.
   ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space);
 
-  /// The next forces need a fresh search whatever has moved (surface changed, nodes renumbered).
+  /// The next forces need a fresh search whatever has moved.
   void invalidate() { valid_ = false; }
+  /// The same after nodes got other local numbers. Local.
+  void renumbered(const Model& model);
   /// After elements were retired and before stores are compacted: takes their facets out and the opened ones in, or
   /// leaves it to the next search. `nodes` are the local nodes of the retired elements. Collective.
   void surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
@@ -40,23 +43,22 @@ class ContactEngine {
   std::vector<std::string> initial_penetrations(Model& model);
 
  private:
+  /// Where a node may be before the candidates become incomplete.
   struct Tracked {
-    std::int32_t node = 0;
-    double position[3] = {};
-    double time = 0.0;  // when it was there [s]
-    double own_allowance = 0.0, allowance = 0.0;
-    std::int32_t part = 0;
+    Box box, own_box;
+    std::int32_t node = 0, part = 0;
   };
   void search(Model& model, const Step& step);
   bool moved_too_far(const Model& model, const Step& step) const;
   void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
   std::vector<char> mark_exterior(const Model& model, const std::vector<ExteriorFacet>& facets) const;
-  void track(const Model& model, int node, double time);
+  Box whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const;
+  bool track(const Model& model, int node, double time);
   bool takes_free(const Model& model, int node) const;
   void choose_references(const Model& model, const std::vector<char>& exterior);
   void collect_slave(const Model& model, int node, double time, std::vector<ContactNodeRecord>& records);
-  /// Where a node counts as being at the time of the search, given a common motion since then.
-  Vec3 reference(int node, Vec3 motion) const;
+  double longest_edge(const std::int32_t* corners) const;
+  bool collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& record) const;
   std::vector<ContactFacetRecord> collect_facets(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   void distribute(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
@@ -73,13 +75,12 @@ class ContactEngine {
   std::unique_ptr<SpatialDecomposition> space_;
   bool space_built_ = false, valid_ = false;
   std::int64_t last_search_ = 0;
-  Vec3 drift_velocity_;  // common motion that allowances are relative to [m/s]
-  std::vector<Vec3> part_velocities_;  // the same within each part [m/s]
+  Vec3 drift_velocity_;  // mean velocity of the surface [m/s]
+  std::vector<Vec3> part_velocities_;  // the same of each part's [m/s]
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;
-  std::vector<double> allowance_, own_allowance_;  // per local node [m]
-  std::vector<Vec3> reference_;  // per tracked local node: where it was [m] ...
-  std::vector<double> reference_time_;  // ... and when; negative where it is not tracked [s]
   std::vector<Tracked> tracked_;
+  std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1
+  std::vector<std::uint64_t> on_mirror_;  // per local node: boundary conditions on whose plane of symmetry it lies
   std::unique_ptr<CandidateSearch> search_;
   Candidates found_;
   std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank

@@ -1,18 +1,19 @@
 // What ranks tell each other about the contact surface at a search.
+//
+// Boxes hold where something may be until the next search. The first is seen from a frame that has moved with the mean
+// velocity of all parts since the search, and counts for pairs of different parts; the second from one that has moved
+// with the node's or facet's own part, and counts for pairs within it.
 #pragma once
 
 #include <cstdint>
+
+#include "dynamics/box.hpp"
 
 namespace kerf {
 
 struct ContactNodeRecord {
   std::int64_t id = 0;
-  // Where the node was at the search, or, for one that joined later, would have been had it shared the common motion
-  // of all parts, and of its own part, since then [m].
-  double position[3] = {}, own_position[3] = {};
-  // Distance that the node may move until the next search, beyond the common motion of its part, which is what
-  // counts against its own part, and of all parts [m].
-  double own_allowance = 0.0, allowance = 0.0;
+  Box box, own_box;
   std::int32_t part = 0, owner = 0;
   std::uint32_t role = 0;  // bit 0: slave; bit 1: slave of the second pass
   std::int32_t local = 0;  // the owner's number of the node
@@ -20,12 +21,10 @@ struct ContactNodeRecord {
 
 struct ContactFacetRecord {
   std::int64_t id = 0;  // element id * 8 + face
-  std::int64_t nodes[4] = {};
-  std::int64_t opposite[4] = {};  // the other four nodes of its element
-  std::int32_t owners[4] = {}, locals[4] = {};
-  double low[3] = {}, high[3] = {};  // box of its nodes' positions, inflated by the facet's reach [m]
-  double own_low[3] = {}, own_high[3] = {};  // the same of their own positions [m]
-  double own_allowance = 0.0, allowance = 0.0;  // the largest of its nodes' [m]
+  std::int64_t nodes[8] = {};  // corners of the facet, then the other four nodes of its element
+  std::int32_t locals[8] = {};  // numbers of all of them on the rank that made the record
+  std::int32_t owners[4] = {};  // of the corners
+  Box box, own_box;  // inflated by the facet's reach
   double bulk_modulus = 0.0, volume = 0.0;
   std::int32_t part = 0;
   std::uint32_t role = 0;  // bits of the slaves that it meets

@@ -88,7 +88,7 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
 
 void Simulation::renumbered() {
   integrator_.resolve(model_);
-  for (auto& c : contacts_) c->invalidate();
+  for (auto& c : contacts_) c->renumbered(model_);
 }
 
 std::vector<ContactLoad> Simulation::loads() const {

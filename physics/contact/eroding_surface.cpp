@@ -137,12 +137,12 @@ struct ErodingSurface final : Contact {
   double reach(double longest_edge, double /*thickness*/) const override { return depth * longest_edge; }
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {
-    const std::vector<Slab> slabs = measure_slabs(view);
+    const std::vector<Measured> facets = measure(view);
     for (int i = 0; i < view.n_slaves; ++i) {
-      if (!near_any(view, i, slabs)) continue;
-      each_touch(view, i, [&](int facet, const Touch& t) {
+      if (!near_any(view, i, facets)) continue;
+      each_touch(view, i, facets, [&](int facet, const Touch& t) {
         const int node = view.slave[i];
-        const FacetGeometry g(view, facet);
+        const FacetGeometry& g = facets[facet].geometry;
         const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
         const double mass = effective_mass(view, node, n, t.weights);
         const double stiffness = min_of(penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness,
@@ -155,10 +155,11 @@ struct ErodingSurface final : Contact {
   }
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
+    const std::vector<Measured> facets = measure(view);
     for (int i = 0; i < view.n_slaves; ++i) {
       double deepest = 0.0;
-      each_touch(view, i, [&](int facet, const Touch& t) {
-        if (t.distance >= 1e-6 * FacetGeometry(view, facet).size) deepest = max_of(deepest, t.distance);
+      each_touch(view, i, facets, [&](int facet, const Touch& t) {
+        if (t.distance >= 1e-6 * facets[facet].geometry.size) deepest = max_of(deepest, t.distance);
       });
       if (!(deepest > 0.0)) continue;
       nodes.push_back(view.slave[i]);
@@ -168,39 +169,44 @@ struct ErodingSurface final : Contact {
   }
 
  private:
-  /// The flat cylinder below a facet that holds every node that the facet could push.
-  struct Slab {
-    Vec3 centre, normal;
-    double above = 0.0, below = 0.0;  // along the normal [m]
-    double radius_squared = 0.0;  // across it [m2]
-  };
-
-  std::vector<Slab> measure_slabs(const ContactView& view) const {
-    std::vector<Slab> slabs(static_cast<std::size_t>(view.n_facets));
-    for (int f = 0; f < view.n_facets; ++f) {
-      const FacetGeometry g(view, f);
-      const double deepest = depth * min_of(g.thickness, g.size);
-      double radius = 0.0, warp = 0.0;
+  /// A facet, and the flat cylinder that holds its four triangles.
+  struct Measured {
+    explicit Measured(const FacetGeometry& g) : geometry(g) {
       for (int k = 0; k < 4; ++k) {
         radius = max_of(radius, norm(g.x[k] - g.centre));
         warp = max_of(warp, std::fabs(dot(g.x[k] - g.centre, g.normal)));
       }
-      // A way to the closest point that is not straight down leads sideways by at most the depth.
-      const double across = radius + deepest;
-      slabs[f] = {g.centre, g.normal, 1e-6 * g.size + warp, 1.01 * deepest + warp, across * across};
     }
-    return slabs;
+    /// No point of the facet is closer to `s` than this.
+    double distance_at_least(Vec3 s) const {
+      const Vec3 d = s - geometry.centre;
+      const double height = dot(d, geometry.normal), over = max_of(std::fabs(height) - warp, 0.0);
+      const double beside = max_of(std::sqrt(max_of(dot(d, d) - height * height, 0.0)) - radius, 0.0);
+      return std::sqrt(over * over + beside * beside) * (1.0 - 1e-6);  // far more than round-off
+    }
+    FacetGeometry geometry;
+    double radius = 0.0, warp = 0.0;  // across the normal and along it [m]
+  };
+
+  static std::vector<Measured> measure(const ContactView& view) {
+    std::vector<Measured> facets;
+    facets.reserve(static_cast<std::size_t>(view.n_facets));
+    for (int f = 0; f < view.n_facets; ++f) facets.emplace_back(FacetGeometry(view, f));
+    return facets;
   }
 
-  /// Whether a slave is in the slab of one of its candidates; most are not, and cost no more than this.
-  bool near_any(const ContactView& view, int i, const std::vector<Slab>& slabs) const {
+  /// Whether a slave is below one of its candidates, or beside it by no more than the depth; most are not, and cost no
+  /// more than this.
+  bool near_any(const ContactView& view, int i, const std::vector<Measured>& facets) const {
     const Vec3 s = view.x(view.slave[i]);
     for (std::int32_t c = view.first_candidate[i]; c < view.first_candidate[i + 1]; ++c) {
-      const Slab& slab = slabs[view.candidate[c]];
-      const Vec3 d = s - slab.centre;
-      const double height = dot(d, slab.normal);
-      if (height <= slab.above && height >= -slab.below && dot(d, d) - height * height <= slab.radius_squared)
-        return true;
+      const Measured& f = facets[view.candidate[c]];
+      const FacetGeometry& g = f.geometry;
+      const Vec3 d = s - g.centre;
+      const double height = dot(d, g.normal);
+      if (height > 1e-6 * g.size + f.warp) continue;
+      const double deepest = depth * min_of(g.thickness, g.size), across = f.radius + deepest;
+      if (height >= -1.01 * deepest - f.warp && dot(d, d) - height * height <= across * across) return true;
     }
     return false;
   }
@@ -208,7 +214,7 @@ struct ErodingSurface final : Contact {
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.
   template <class Push>
-  void each_touch(const ContactView& view, int i, const Push& push) const {
+  void each_touch(const ContactView& view, int i, const std::vector<Measured>& facets, const Push& push) const {
     const Vec3 own = own_normal(view, i);
     const std::int32_t* from = view.candidate + view.first_candidate[i];
     const std::int32_t* end = view.candidate + view.first_candidate[i + 1];
@@ -216,7 +222,7 @@ struct ErodingSurface final : Contact {
       const std::int32_t* to = from;
       while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
       Touch t;
-      const int facet = locate(view, view.slave[i], own, {from, to}, t);
+      const int facet = locate(view, view.slave[i], own, {from, to}, facets, t);
       if (facet >= 0) push(facet, t);
       from = to;
     }
@@ -224,16 +230,17 @@ struct ErodingSurface final : Contact {
 
   /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
   /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
-  int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets, Touch& best) const {
+  int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets,
+             const std::vector<Measured>& measured, Touch& best) const {
     const Vec3 s = view.x(node);
     const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
     int found = -1;
     double found_size = 0.0;
     for (const std::int32_t f : facets) {
-      const FacetGeometry g(view, f);
-      const double within = reach(g.size, g.thickness);
+      const FacetGeometry& g = measured[f].geometry;
+      const double within = reach(g.size, g.thickness), least = measured[f].distance_at_least(s);
+      if (least > within || (found >= 0 && least > best.distance + 1e-9 * max_of(g.size, found_size))) continue;
       const Vec3 d = s - g.centre;
-      if (!(dot(d, d) < (within + g.size) * (within + g.size))) continue;
       // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
       if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(d, g.normal)) < flush * g.size) continue;
       const Touch t = touch_facet(g, s);
@@ -247,7 +254,7 @@ struct ErodingSurface final : Contact {
       found_size = g.size;
     }
     if (found < 0) return -1;
-    const FacetGeometry g(view, found);
+    const FacetGeometry& g = measured[found].geometry;
     if (best.distance > depth * min_of(g.thickness, g.size)) return -1;
     // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
     // straight below a facet that faces the node is believed to be inside.
@@ -258,7 +265,7 @@ struct ErodingSurface final : Contact {
     Vec3 point;
     for (int k = 0; k < 4; ++k) point = point + g.x[k] * best.weights[k];
     const Vec3 away = s - point;
-    if (!(dot(away, normal_at(view, facets, point)) < 0.0)) return -1;
+    if (!(dot(away, normal_at(facets, measured, point)) < 0.0)) return -1;
     // A node on the edge itself is off it by round-off alone: length and direction must be those of one vector.
     best.distance = norm(away);
     if (!(best.distance > 0.0)) return -1;
@@ -269,10 +276,10 @@ struct ErodingSurface final : Contact {
   /// Sum of the normals of all triangles that hold a point of a body's surface, each weighted by the angle that it
   /// takes up there: a point near an edge or a corner is inside just where it lies below this normal (Baerentzen &
   /// Aanaes, "Signed distance computation using the angle weighted pseudonormal", IEEE TVCG 11 (2005) 243-253).
-  Vec3 normal_at(const ContactView& view, std::span<const std::int32_t> facets, Vec3 point) const {
+  static Vec3 normal_at(std::span<const std::int32_t> facets, const std::vector<Measured>& measured, Vec3 point) {
     Vec3 sum;
     for (const std::int32_t f : facets) {
-      const FacetGeometry g(view, f);
+      const FacetGeometry& g = measured[f].geometry;
       const double tolerance = 1e-7 * g.size;
       const Vec3 d = point - g.centre;
       if (!(dot(d, d) < 2.0 * g.size * g.size)) continue;
