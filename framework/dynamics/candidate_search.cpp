@@ -6,7 +6,7 @@
 #include <span>
 #include <unordered_map>
 
-#include "dynamics/facet_grid.hpp"
+#include "dynamics/facet_tree.hpp"
 
 namespace kerf {
 
@@ -133,34 +133,17 @@ class Compactor {
   std::vector<std::int32_t> node_, facet_;
 };
 
-/// Boxes of consecutive slaves, which are neighbours as a rule: most facets that come are far from most of them.
-class SlaveClusters {
- public:
-  void add(const ContactNodeRecord& slave) {
-    if (n_ % size == 0) boxes_.emplace_back();
-    ++n_;
-    boxes_.back().box.include(slave.box);
-    boxes_.back().own_box.include(slave.own_box);
-  }
-  /// Calls `visit(slave number)` for all slaves before `end` that might meet one of the facets.
-  template <class Visit>
-  void near(std::span<const ContactFacetRecord> facets, std::size_t end, const Visit& visit) const {
-    for (std::size_t c = 0; c * size < end; ++c) {
-      const bool meets = std::any_of(facets.begin(), facets.end(), [&](const ContactFacetRecord& f) {
-        return boxes_[c].box.meets(f.box) || boxes_[c].own_box.meets(f.own_box);
-      });
-      if (!meets) continue;
-      for (std::size_t s = c * size; s < std::min(end, (c + 1) * size); ++s) visit(s);
-    }
-  }
+/// The facets of one part, for slaves of other parts and for its own.
+struct PartFacets {
+  std::vector<std::int32_t> facet;  // in the order of the trees
+  FacetTree others, own;
+};
 
- private:
-  static constexpr std::size_t size = 32;
-  struct Boxes {
-    Box box, own_box;
-  };
-  std::size_t n_ = 0;
-  std::vector<Boxes> boxes_;
+/// Consecutive slaves of one part, which are neighbours as a rule: most facets are far from all of them.
+struct SlaveCluster {
+  static constexpr std::size_t size = 16;
+  Box box, own_box;
+  std::vector<std::int32_t> slaves;
 };
 
 }  // namespace
@@ -173,43 +156,66 @@ struct CandidateSearch::Tables {
   std::vector<Corners> corners;
   std::vector<std::int32_t> number;  // node number of each slave
   std::vector<std::int32_t> slave_of;  // per node number: the slave, or -1
-  std::vector<char> alive;  // per facet
+  std::vector<std::uint32_t> role;  // per facet; 0 of those that are gone
   Around around;
-  FacetGrid others, own;
-  SlaveClusters clusters;
+  std::vector<PartFacets> parts;
+  std::vector<SlaveCluster> clusters;
+  std::vector<std::int32_t> open_cluster;  // per part: the one that has room for another slave, or -1
   std::vector<std::vector<std::int32_t>> found;  // per slave: facets, sorted by id; dead ones are left in
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
   std::int32_t mark = 0;
-  std::size_t n_first = 0;  // slaves of the search; the others joined later
+  std::size_t n_first = 0;  // facets of the search; the others came later
 
   Tables(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, bool same, std::size_t n_local)
       : slaves(std::move(s)),
         facets(std::move(f)),
         same_part(same),
-        numbering(slaves.size() + 2 * facets.size(), n_local),
-        others(slaves, facets, false),
-        own(slaves, same ? facets : std::vector<ContactFacetRecord>{}, true) {
+        numbering(slaves.size() + 2 * facets.size(), n_local) {
     corners.reserve(facets.size());
     for (const ContactFacetRecord& facet : facets) corners.push_back(corners_of(facet));
-    for (const ContactNodeRecord& slave : slaves) join(slave);
-    resize();
-    alive.assign(facets.size(), 1);
+    number.reserve(slaves.size());
+    for (std::size_t i = 0; i < slaves.size(); ++i) join(static_cast<std::int32_t>(i));
+    for (const ContactFacetRecord& facet : facets) role.push_back(facet.role);
     around.build(corners, numbering.size());
-    n_first = slaves.size();
-    for (std::size_t i = 0; i < slaves.size(); ++i) {
-      slave_of[number[i]] = static_cast<std::int32_t>(i);
-      find(i);
-    }
+    n_first = facets.size();
+    plant_trees();
+    std::vector<std::size_t> groups;
+    for (const SlaveCluster& cluster : clusters) find_all(cluster, groups);
   }
 
+  void plant_trees() {
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+      const auto part = static_cast<std::size_t>(facets[f].part);
+      if (part >= parts.size()) parts.resize(part + 1);
+      parts[part].facet.push_back(static_cast<std::int32_t>(f));
+      parts[part].others.add(facets[f].box);
+      if (same_part) parts[part].own.add(facets[f].own_box);
+    }
+    for (PartFacets& p : parts) {
+      p.others.finish();
+      p.own.finish();
+    }
+  }
   Corners corners_of(const ContactFacetRecord& facet) {
     Corners c;
     for (int k = 0; k < 8; ++k) c[k] = numbering.number(facet.nodes[k], facet.locals[k]);
     return c;
   }
-  void join(const ContactNodeRecord& slave) {
+  void join(std::int32_t s) {
+    const ContactNodeRecord& slave = slaves[s];
     number.push_back(numbering.number(slave.id, slave.local));
-    clusters.add(slave);
+    resize();
+    slave_of[number[s]] = s;
+    const auto part = static_cast<std::size_t>(slave.part);
+    if (part >= open_cluster.size()) open_cluster.resize(part + 1, -1);
+    if (open_cluster[part] < 0 || clusters[open_cluster[part]].slaves.size() == SlaveCluster::size) {
+      open_cluster[part] = static_cast<std::int32_t>(clusters.size());
+      clusters.emplace_back().slaves.reserve(SlaveCluster::size);
+    }
+    SlaveCluster& cluster = clusters[open_cluster[part]];
+    cluster.slaves.push_back(s);
+    cluster.box.include(slave.box);
+    cluster.own_box.include(slave.own_box);
   }
   void resize() {
     ring.resize(numbering.size(), 0);
@@ -232,43 +238,69 @@ struct CandidateSearch::Tables {
     std::sort(list.begin(), list.end(), [&](std::int32_t a, std::int32_t b) { return facets[a].id < facets[b].id; });
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
-  void find(std::size_t s) {
-    std::vector<std::int32_t>& list = found[s];
-    list.clear();
-    const auto takes = [&](std::int32_t f) { return alive[f] != 0 && (facets[f].role & slaves[s].role) != 0; };
-    const auto take_other = [&](std::int32_t f) {
-      if (takes(f)) list.push_back(f);
-    };
-    others.look(slaves[s], take_other);
-    if (s >= n_first) others.look_at_skipped(slaves[s], take_other);
-    bool marked = false;
-    const auto take_own = [&](std::int32_t f) {
-      if (!takes(f)) return;
+  /// Takes a facet whose box a slave meets, if they make a pair.
+  void meet(std::size_t s, std::int32_t f, bool own, bool& marked) {
+    if ((role[f] & slaves[s].role) == 0) return;
+    if (own) {
       if (!marked) mark_ring(s);
       marked = true;
-      if (!touches_ring(f)) list.push_back(f);
-    };
-    own.look(slaves[s], take_own);
-    if (s >= n_first) own.look_at_skipped(slaves[s], take_own);
-    if (list.size() > 1) sort_by_id(list);
+      if (touches_ring(f)) return;
+    }
+    found[s].push_back(f);
   }
-  /// Pairs of a slave with facets that have just come.
-  void find_new(std::size_t s, std::size_t first_new) {
-    const FacetGrid::Probe other(slaves[s], false), self(slaves[s], true);
-    bool marked = false;
-    const std::size_t before = found[s].size();
-    for (std::size_t k = others.late().size() - (facets.size() - first_new); k < others.late().size(); ++k) {
-      const std::int32_t f = others.late()[k].facet;
-      if ((facets[f].role & slaves[s].role) == 0) continue;
-      if (other.meets(others.late()[k])) {
-        found[s].push_back(f);
-      } else if (same_part && self.meets(own.late()[k])) {
-        if (!marked) mark_ring(s);
-        marked = true;
-        if (!touches_ring(f)) found[s].push_back(f);
+  /// Pairs of a cluster of slaves with the facets of the search.
+  void find_all(const SlaveCluster& cluster, std::vector<std::size_t>& groups) {
+    const std::int32_t part = slaves[cluster.slaves.front()].part;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const bool own = static_cast<std::int32_t>(p) == part;
+      const FacetTree& tree = own ? parts[p].own : parts[p].others;
+      groups.clear();
+      tree.each_group(own ? cluster.own_box : cluster.box, [&](std::size_t g) { groups.push_back(g); });
+      if (groups.empty()) continue;
+      for (const std::int32_t s : cluster.slaves) {
+        bool marked = false;
+        for (const std::size_t g : groups)
+          tree.each_in(g, own ? slaves[s].own_box : slaves[s].box,
+                       [&](std::size_t k) { meet(static_cast<std::size_t>(s), parts[p].facet[k], own, marked); });
       }
     }
-    if (found[s].size() != before) sort_by_id(found[s]);
+    for (const std::int32_t s : cluster.slaves)
+      if (found[s].size() > 1) sort_by_id(found[s]);
+  }
+  /// Pairs of a slave with all facets that there are now.
+  void find(std::size_t s) {
+    found[s].clear();
+    bool marked = false;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const bool own = static_cast<std::int32_t>(p) == slaves[s].part;
+      const FacetTree& tree = own ? parts[p].own : parts[p].others;
+      tree.each(own ? slaves[s].own_box : slaves[s].box, [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
+    }
+    find_late(s, n_first, marked);
+    sort_by_id(found[s]);
+  }
+  /// Pairs of a slave with the facets from number `first` on, which came after the search.
+  void find_late(std::size_t s, std::size_t first, bool& marked) {
+    for (std::size_t f = first; f < facets.size(); ++f) {
+      const bool own = facets[f].part == slaves[s].part;
+      if (own ? same_part && facets[f].own_box.meets(slaves[s].own_box) : facets[f].box.meets(slaves[s].box))
+        meet(s, static_cast<std::int32_t>(f), own, marked);
+    }
+  }
+  /// Pairs of all slaves with the facets from number `first` on.
+  void find_new(std::size_t first) {
+    for (const SlaveCluster& cluster : clusters) {
+      const bool far = std::none_of(
+          facets.begin() + static_cast<std::ptrdiff_t>(first), facets.end(),
+          [&](const ContactFacetRecord& f) { return cluster.box.meets(f.box) || cluster.own_box.meets(f.own_box); });
+      if (far) continue;
+      for (const std::int32_t s : cluster.slaves) {
+        const std::size_t before = found[s].size();
+        bool marked = false;
+        find_late(static_cast<std::size_t>(s), first, marked);
+        if (found[s].size() != before) sort_by_id(found[s]);
+      }
+    }
   }
   /// Takes out the facets of some elements; their corners are added to `affected`.
   void kill(const std::vector<std::int64_t>& elements, std::vector<std::int32_t>& affected) {
@@ -280,9 +312,9 @@ struct CandidateSearch::Tables {
     for (const std::int64_t id : dead) maybe[static_cast<std::size_t>(id % few)] = 1;
     for (std::size_t f = 0; f < facets.size(); ++f) {
       const std::int64_t element = facets[f].id / 8;
-      if (maybe[static_cast<std::size_t>(element % few)] == 0 || alive[f] == 0) continue;
+      if (maybe[static_cast<std::size_t>(element % few)] == 0 || role[f] == 0) continue;
       if (!std::binary_search(dead.begin(), dead.end(), element)) continue;
-      alive[f] = 0;
+      role[f] = 0;
       for (int k = 0; k < 4; ++k) {
         around.remove(corners[f][k], static_cast<std::int32_t>(f));
         affected.push_back(corners[f][k]);
@@ -292,14 +324,12 @@ struct CandidateSearch::Tables {
   void add(const ContactFacetRecord& facet, std::vector<std::int32_t>& affected) {
     const auto f = static_cast<std::int32_t>(facets.size());
     facets.push_back(facet);
-    alive.push_back(1);
+    role.push_back(facet.role);
     corners.push_back(corners_of(facet));
     for (int k = 0; k < 4; ++k) {
       around.add(corners[f][k], f);
       affected.push_back(corners[f][k]);
     }
-    others.add(facet, f);
-    if (same_part) own.add(facet, f);
   }
 };
 
@@ -315,24 +345,20 @@ void CandidateSearch::change(const std::vector<std::int64_t>& dead_elements,
   Tables& t = *tables_;
   std::vector<std::int32_t> affected;  // nodes whose surroundings changed
   t.kill(dead_elements, affected);
-  const std::size_t first_new = t.facets.size(), n_old = t.slaves.size();
+  const std::size_t first_new = t.facets.size();
+  const auto n_old = static_cast<std::int32_t>(t.slaves.size());
   for (const ContactFacetRecord& facet : new_facets) t.add(facet, affected);
   t.resize();
-  t.clusters.near(new_facets, n_old, [&](std::size_t s) { t.find_new(s, first_new); });
-  for (const ContactNodeRecord& slave : new_slaves) {
-    t.slaves.push_back(slave);
-    t.join(slave);
-  }
-  t.resize();
-  for (std::size_t s = n_old; s < t.slaves.size(); ++s) {
-    t.slave_of[t.number[s]] = static_cast<std::int32_t>(s);
-    t.find(s);
+  t.find_new(first_new);
+  t.slaves.insert(t.slaves.end(), new_slaves.begin(), new_slaves.end());
+  for (auto s = n_old; s < static_cast<std::int32_t>(t.slaves.size()); ++s) {
+    t.join(s);
+    t.find(static_cast<std::size_t>(s));
   }
   std::sort(affected.begin(), affected.end());
   affected.erase(std::unique(affected.begin(), affected.end()), affected.end());
   for (const std::int32_t n : affected)
-    if (t.slave_of[n] >= 0 && t.slave_of[n] < static_cast<std::int32_t>(n_old))
-      t.find(static_cast<std::size_t>(t.slave_of[n]));
+    if (t.slave_of[n] >= 0 && t.slave_of[n] < n_old) t.find(static_cast<std::size_t>(t.slave_of[n]));
 }
 
 Candidates CandidateSearch::candidates() const {
@@ -344,7 +370,7 @@ Candidates CandidateSearch::candidates() const {
     Candidates& out = compact.out;
     const std::size_t before = out.candidate.size();
     for (const std::int32_t f : t.found[s])
-      if (t.alive[f] != 0) out.candidate.push_back(compact.facet(f, t.corners));
+      if (t.role[f] != 0) out.candidate.push_back(compact.facet(f, t.corners));
     if (out.candidate.size() == before) continue;
     const ContactNodeRecord& slave = t.slaves[s];
     out.slave.push_back(compact.node(t.number[s], slave.id, slave.owner, slave.local, slave.part));

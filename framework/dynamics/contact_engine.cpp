@@ -76,8 +76,8 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   const double left = search_time_ + horizon_ - time;
   const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
   track_of_[node] = static_cast<std::int32_t>(tracked_.size());
-  tracked_.push_back({whereabouts(x, v, drift_velocity_, margin, time), whereabouts(x, v, own, margin, time), node,
-                      nodes.part[node]});
+  tracked_.push_back(
+      {whereabouts(x, v, drift_velocity_, margin, time), whereabouts(x, v, own, margin, time), node, nodes.part[node]});
   return true;
 }
 
@@ -185,8 +185,7 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   std::vector<std::vector<ContactNodeRecord>> nodes_out(n_ranks);
   const auto share = [&] {
     for (auto& list : nodes_out) list.clear();
-    for (const ContactNodeRecord& s : slaves)
-      nodes_out[space_->owner(centre_of(s.box))].push_back(s);
+    for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(centre_of(s.box))].push_back(s);
   };
   const auto uneven = [&] {
     std::vector<std::int64_t> counts(n_ranks);

@@ -223,17 +223,22 @@ Balance Integrator::sample(const Model& model, const Step& next, const std::vect
   // The share of the coming kick that lies before the present time. Kinetic energy and work grow by its power at the
   // velocity before it: what the rest of the kick will do (a wall that is hit, a motion that stops) stays out.
   const double share = next.last_dt / (next.last_dt + next.dt);
-  std::vector<double> after(static_cast<std::size_t>(nodes.n()) * 3);
-  for (int i = 0; i < nodes.n(); ++i) {
-    const Vec3 v = kicked(nodes, i, quantum, kick);
-    for (int d = 0; d < 3; ++d) after[3 * i + d] = v[d];
-  }
+  const auto n = static_cast<std::size_t>(nodes.n());
+  // What ghosts would add is left at zero, which no sum minds.
+  std::vector<double> kinetic(n), momentum[3] = {kinetic, kinetic, kinetic};
+  const auto enter = [&](std::size_t i, Vec3 v, Vec3 w) {
+    const double mass = nodes.owned[i] != 0 ? nodes.mass[i] : 0.0;
+    kinetic[i] = mass * (0.5 * dot(v, v) + share * dot(v, w - v));
+    for (int d = 0; d < 3; ++d) momentum[d][i] = mass * v[d];
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    enter(i, nodes.v(static_cast<int>(i)), kicked(nodes, static_cast<int>(i), quantum, kick));
   std::int64_t external = 0, contact = 0;
   const std::vector<HalfSpace> planes = regions(model, next);
   const auto apply = [&](int i, std::uint64_t always) {
-    const Vec3 before = nodes.v(i), free_flight{after[3 * i], after[3 * i + 1], after[3 * i + 2]};
+    const Vec3 before = nodes.v(i), free_flight = kicked(nodes, i, quantum, kick);
     const Vec3 v = constrain(model, i, always, next, planes, before, free_flight);
-    for (int d = 0; d < 3; ++d) after[3 * i + d] = v[d];
+    enter(static_cast<std::size_t>(i), before, v);
     if (nodes.owned[i]) external += ledger.energy_quanta(model, nodes.mass[i] * dot(v - free_flight, before));
   };
   std::size_t at = 0;
@@ -246,19 +251,13 @@ Balance Integrator::sample(const Model& model, const Step& next, const std::vect
     for (std::size_t k = 0; k < load.nodes.size(); ++k) {
       contact += contact_work(model, ledger, load, k, kick, nodes.v(load.nodes[k]));
     }
-  std::vector<double> kinetic, p[3];
-  for (int i = 0; i < nodes.n(); ++i) {
-    if (!nodes.owned[i]) continue;
-    const Vec3 v = nodes.v(i), w{after[3 * i], after[3 * i + 1], after[3 * i + 2]};
-    kinetic.push_back(nodes.mass[i] * (0.5 * dot(v, v) + share * dot(v, w - v)));
-    for (int d = 0; d < 3; ++d) p[d].push_back(nodes.mass[i] * v[d]);
-  }
   std::int64_t sums[4] = {ledger.accounts.external, ledger.accounts.contact, external, contact};
   MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_INT64_T, MPI_SUM, model.comm);
+  const std::vector<double> totals = order_free_sums(model.comm, {kinetic, momentum[0], momentum[1], momentum[2]});
   Balance b;
   b.time = next.start;
-  b.kinetic = order_free_sum(model.comm, kinetic);
-  b.momentum = {order_free_sum(model.comm, p[0]), order_free_sum(model.comm, p[1]), order_free_sum(model.comm, p[2])};
+  b.kinetic = totals[0];
+  b.momentum = {totals[1], totals[2], totals[3]};
   b.external = (static_cast<double>(sums[0]) + share * static_cast<double>(sums[2])) * model.quanta.energy;
   b.contact = (static_cast<double>(sums[1]) + share * static_cast<double>(sums[3])) * model.quanta.energy;
   ledger.close(model, b);

@@ -45,15 +45,20 @@ void Ledger::open(Model& model) {
 }
 
 void Ledger::close(const Model& model, Balance& b) const {
-  std::vector<double> internal, viscous, mass;
+  // What empty slots would add is left at zero, which no sum minds.
+  std::size_t n = 0, at = 0;
+  for (const PartModel& part : model.parts) n += static_cast<std::size_t>(part.store->n_slots());
+  std::vector<double> internal(n), viscous(n), mass(n);
   for (const PartModel& part : model.parts) {
     const PartStore& store = *part.store;
-    for (int s = 0; s < store.n_slots(); ++s) {
-      if (!store.live(s)) continue;
-      const double q = store.field(PartStore::viscous_energy).at(s, 0);
-      viscous.push_back(q);
-      internal.push_back(store.field(PartStore::internal_energy).at(s, 0) - q);
-      mass.push_back(store.field(PartStore::mass).at(s, 0));
+    const double* total = store.field(PartStore::internal_energy).data.data();  // of one component: slot by slot
+    const double* q = store.field(PartStore::viscous_energy).data.data();
+    const double* m = store.field(PartStore::mass).data.data();
+    for (int s = 0; s < store.n_slots(); ++s, ++at) {
+      const bool live = store.live(s);
+      viscous[at] = live ? q[s] : 0.0;
+      internal[at] = live ? total[s] - q[s] : 0.0;
+      mass[at] = live ? m[s] : 0.0;
     }
   }
   std::int64_t sums[13] = {accounts.hourglass,
@@ -71,8 +76,9 @@ void Ledger::close(const Model& model, Balance& b) const {
                            0};
   MPI_Allreduce(MPI_IN_PLACE, sums, 13, MPI_INT64_T, MPI_SUM, model.comm);
   const double q = model.quanta.energy;
-  b.internal = order_free_sum(model.comm, internal);
-  b.bulk_viscosity = order_free_sum(model.comm, viscous) + static_cast<double>(sums[2]) * q;
+  const std::vector<double> totals = order_free_sums(model.comm, {internal, viscous, mass});
+  b.internal = totals[0];
+  b.bulk_viscosity = totals[1] + static_cast<double>(sums[2]) * q;
   b.hourglass = static_cast<double>(sums[0]) * q;
   b.eroded = static_cast<double>(sums[1] + sums[3]) * q;
   b.impulse =
@@ -81,7 +87,7 @@ void Ledger::close(const Model& model, Balance& b) const {
       Vec3{static_cast<double>(sums[7]), static_cast<double>(sums[8]), static_cast<double>(sums[9])} * momentum_quantum;
   b.dropped_mass = static_cast<double>(sums[10]) * mass_quantum;
   b.eroded_elements = sums[11];
-  b.live_mass = order_free_sum(model.comm, mass);
+  b.live_mass = totals[2];
   b.free_mass = initial_mass - b.live_mass - b.dropped_mass;
   // With neither energy nor work to compare with, the elastic energy of a strain of a thousandth is the measure.
   const double reference = std::max({initial_energy, std::fabs(b.external), smallest_reference});
