@@ -274,7 +274,8 @@ struct CandidateSearch::Tables {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == slaves[s].part;
       const FacetTree& tree = own ? parts[p].own : parts[p].others;
-      tree.each(own ? slaves[s].own_box : slaves[s].box, [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
+      tree.each(own ? slaves[s].own_box : slaves[s].box,
+                [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
     }
     find_late(s, n_first, marked);
     sort_by_id(found[s]);

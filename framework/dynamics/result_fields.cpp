@@ -10,46 +10,58 @@ namespace kerf {
 
 namespace {
 
-struct Column {
-  int components = 1;
-  std::vector<double> values;
-};
-
 SymTensor deviator_of(const PartStore& store, int s) {
   const Field& f = store.field(PartStore::deviator);
   return {f.at(s, 0), f.at(s, 1), f.at(s, 2), f.at(s, 3), f.at(s, 4), f.at(s, 5)};
 }
 
-void append_element(const PartModel& part, int s, const std::string& name,
-                    const std::pair<PartStore::FieldIndex, int>& variable, Column& column) {
-  const PartStore& store = *part.store;
+/// Appends `value(slot)` of all live elements of a part.
+template <class Value>
+void append(const PartStore& store, std::vector<double>& values, const Value& value) {
+  for (int s = 0; s < store.n_slots(); ++s)
+    if (store.live(s)) values.push_back(value(s));
+}
+
+void append_elements(const PartStore& store, const std::string& name, std::vector<double>& values) {
+  const Field &mass = store.field(PartStore::mass), &pressure = store.field(PartStore::pressure);
   if (name == "pressure") {
-    column.values.push_back(store.field(PartStore::pressure).at(s, 0));
+    append(store, values, [&](int s) { return pressure.at(s, 0); });
   } else if (name == "density") {
-    column.values.push_back(store.field(PartStore::mass).at(s, 0) / store.field(PartStore::volume).at(s, 0));
+    append(store, values, [&](int s) { return mass.at(s, 0) / store.field(PartStore::volume).at(s, 0); });
   } else if (name == "internal_energy") {
-    column.values.push_back(store.field(PartStore::internal_energy).at(s, 0) / store.field(PartStore::mass).at(s, 0));
+    append(store, values, [&](int s) { return store.field(PartStore::internal_energy).at(s, 0) / mass.at(s, 0); });
   } else if (name == "von_mises") {
-    column.values.push_back(von_mises(deviator_of(store, s)));
+    append(store, values, [&](int s) { return von_mises(deviator_of(store, s)); });
   } else if (name == "stress") {
-    const SymTensor d = deviator_of(store, s);
-    const double p = store.field(PartStore::pressure).at(s, 0);
-    column.values.insert(column.values.end(), {d.xx - p, d.yy - p, d.zz - p, d.xy, d.yz, d.zx});
+    for (int s = 0; s < store.n_slots(); ++s) {
+      if (!store.live(s)) continue;
+      const SymTensor d = deviator_of(store, s);
+      const double p = pressure.at(s, 0);
+      values.insert(values.end(), {d.xx - p, d.yy - p, d.zz - p, d.xy, d.yz, d.zx});
+    }
+  } else if (const auto [field, component] = store.find_variable(name); field != PartStore::n_fields) {
+    append(store, values, [&, c = component](int s) { return store.field(field).at(s, c); });
   } else {
-    // A variable that this part's laws do not have is zero there.
-    column.values.push_back(variable.first == PartStore::n_fields ? 0.0
-                                                                  : store.field(variable.first).at(s, variable.second));
+    append(store, values, [](int) { return 0.0; });  // a variable that this part's laws do not have is zero there
   }
 }
 
-void append_node(const Model& model, int i, const std::string& name, Column& column) {
+/// Values of the nodes with the given local numbers.
+std::vector<double> node_values(const Model& model, const std::string& name, const std::vector<std::int32_t>& local) {
   const NodeStore& nodes = model.nodes;
-  if (name == "mass") {
-    column.values.push_back(nodes.mass[i]);
-    return;
+  std::vector<double> values;
+  values.reserve(3 * local.size());
+  for (const std::int32_t i : local) {
+    if (name == "mass") {
+      values.push_back(nodes.mass[i]);
+      continue;
+    }
+    const Vec3 v = name == "velocity"   ? nodes.v(i)
+                   : name == "position" ? nodes.x(i)
+                                        : nodes.x(i) - reference_position(model, nodes.id[i]);
+    values.insert(values.end(), {v.x, v.y, v.z});
   }
-  const Vec3 v = name == "velocity" ? nodes.v(i) : nodes.x(i) - reference_position(model, nodes.id[i]);
-  column.values.insert(column.values.end(), {v.x, v.y, v.z});
+  return values;
 }
 
 }  // namespace
@@ -77,35 +89,26 @@ void write_topology(const Model& model, ResultsWriter& results) {
 void write_frame(const Model& model, const OutputInput& output, double time, ResultsWriter& results) {
   results.begin_frame(time);
   std::vector<std::int64_t> owned, live;
-  std::vector<double> positions;
   std::vector<std::int32_t> local;
   for (int i = 0; i < model.nodes.n(); ++i) {
     if (!model.nodes.owned[i]) continue;
     local.push_back(i);
     owned.push_back(model.nodes.id[i]);
-    const Vec3 x = model.nodes.x(i);
-    positions.insert(positions.end(), {x.x, x.y, x.z});
   }
-  results.add_points(owned, positions);
+  results.add_points(owned, node_values(model, "position", local));
   for (const PartModel& part : model.parts)
     for (int s = 0; s < part.store->n_slots(); ++s)
       if (part.store->live(s)) live.push_back(part.store->id(s));
   results.add_alive(live);
-  for (const std::string& name : output.node_fields) {
-    Column column;
-    column.components = name == "mass" ? 1 : 3;
-    for (const std::int32_t i : local) append_node(model, i, name, column);
-    results.add_node_field(name, column.components, owned, column.values);
-  }
+  for (const std::string& name : output.node_fields)
+    results.add_node_field(name, name == "mass" ? 1 : 3, owned, node_values(model, name, local));
+  std::vector<double> values;
   for (const std::string& name : output.element_fields) {
-    Column column;
-    column.components = name == "stress" ? 6 : 1;
-    for (const PartModel& part : model.parts) {
-      const auto variable = part.store->find_variable(name);
-      for (int s = 0; s < part.store->n_slots(); ++s)
-        if (part.store->live(s)) append_element(part, s, name, variable, column);
-    }
-    results.add_element_field(name, column.components, live, column.values);
+    const int components = name == "stress" ? 6 : 1;
+    values.clear();
+    values.reserve(live.size() * static_cast<std::size_t>(components));
+    for (const PartModel& part : model.parts) append_elements(*part.store, name, values);
+    results.add_element_field(name, components, live, values);
   }
   results.end_frame();
 }
