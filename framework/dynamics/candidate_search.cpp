@@ -21,57 +21,57 @@ class Numbering {
   }
   std::int32_t number(std::int64_t id, std::int32_t local) {
     if (n_local_ > 0) return local;
-    if (2 * static_cast<std::size_t>(n_) >= keys_.size()) resize(2 * static_cast<std::size_t>(n_));
-    const std::size_t at = slot(id);
-    if (keys_[at] != id) {
-      keys_[at] = id;
-      values_[at] = n_++;
-    }
-    return values_[at];
+    if (2 * static_cast<std::size_t>(n_) >= slots_.size()) resize(2 * static_cast<std::size_t>(n_));
+    Slot& at = slot(id);
+    if (at.id != id) at = {id, n_++};
+    return at.number;
   }
   std::size_t size() const { return static_cast<std::size_t>(n_local_ > 0 ? n_local_ : n_); }
 
  private:
+  struct Slot {
+    std::int64_t id = -1;
+    std::int32_t number = -1;
+  };
   void resize(std::size_t expected) {
     std::size_t size = 16;
     while (size < 3 * expected) size *= 2;
-    std::vector<std::int64_t> keys(size, -1);
-    std::vector<std::int32_t> values(size, -1);
-    keys.swap(keys_);
-    values.swap(values_);
-    for (std::size_t i = 0; i < keys.size(); ++i)
-      if (keys[i] >= 0) {
-        const std::size_t at = slot(keys[i]);
-        keys_[at] = keys[i];
-        values_[at] = values[i];
-      }
+    std::vector<Slot> old(size);
+    old.swap(slots_);
+    for (const Slot& s : old)
+      if (s.id >= 0) slot(s.id) = s;
   }
-  std::size_t slot(std::int64_t id) const {
-    const std::size_t mask = keys_.size() - 1;
+  Slot& slot(std::int64_t id) {
+    const std::size_t mask = slots_.size() - 1;
     std::size_t at = static_cast<std::size_t>(static_cast<std::uint64_t>(id) * 0x9e3779b97f4a7c15ULL >> 20) & mask;
-    while (keys_[at] != -1 && keys_[at] != id) at = (at + 1) & mask;
-    return at;
+    while (slots_[at].id != -1 && slots_[at].id != id) at = (at + 1) & mask;
+    return slots_[at];
   }
   std::int32_t n_local_ = 0, n_ = 0;
-  std::vector<std::int64_t> keys_;
-  std::vector<std::int32_t> values_;
+  std::vector<Slot> slots_;
 };
 
 /// Node numbers of a facet's corners, then of the other four nodes of its element.
 using Corners = std::array<std::int32_t, 8>;
 
-/// Facets around every node of the surface, as they come and go.
+/// Facets around every node of the surface, sorted by id, as they come and go.
 class Around {
  public:
-  void build(const std::vector<Corners>& corners, std::size_t n_nodes) {
+  void build(const std::vector<Corners>& corners, const std::vector<std::int64_t>& ids, std::size_t n_nodes) {
     first_.assign(n_nodes + 1, 0);
     for (const Corners& c : corners)
       for (int k = 0; k < 4; ++k) ++first_[c[k] + 1];
     for (std::size_t n = 0; n < n_nodes; ++n) first_[n + 1] += first_[n];
     facet_.resize(4 * corners.size());
-    std::vector<std::int32_t> next(first_.begin(), first_.end() - 1);
+    // One after another into their place: there are four facets round most nodes.
+    std::vector<std::int32_t> end(first_.begin(), first_.end() - 1);
     for (std::size_t f = 0; f < corners.size(); ++f)
-      for (int k = 0; k < 4; ++k) facet_[next[corners[f][k]]++] = static_cast<std::int32_t>(f);
+      for (int k = 0; k < 4; ++k) {
+        const std::int32_t n = corners[f][k];
+        std::int32_t at = end[n]++;
+        for (; at > first_[n] && ids[facet_[at - 1]] > ids[f]; --at) facet_[at] = facet_[at - 1];
+        facet_[at] = static_cast<std::int32_t>(f);
+      }
   }
   std::span<const std::int32_t> of(std::int32_t node) const {
     if (!changed_.empty()) {
@@ -81,7 +81,10 @@ class Around {
     if (node + 1 >= static_cast<std::int32_t>(first_.size())) return {};
     return {facet_.data() + first_[node], static_cast<std::size_t>(first_[node + 1] - first_[node])};
   }
-  void add(std::int32_t node, std::int32_t facet) { list(node).push_back(facet); }
+  void add(std::int32_t node, std::int32_t facet, const std::vector<std::int64_t>& ids) {
+    auto& now = list(node);
+    now.insert(std::upper_bound(now.begin(), now.end(), facet, [&](auto a, auto b) { return ids[a] < ids[b]; }), facet);
+  }
   void remove(std::int32_t node, std::int32_t facet) { std::erase(list(node), facet); }
 
  private:
@@ -93,44 +96,6 @@ class Around {
   }
   std::vector<std::int32_t> first_, facet_;
   std::unordered_map<std::int32_t, std::vector<std::int32_t>> changed_;
-};
-
-/// Turns the found pairs into compact lists of only what they refer to.
-class Compactor {
- public:
-  Compactor(const std::vector<ContactFacetRecord>& facets, std::size_t n_numbers, std::size_t n_facets)
-      : facets_(facets), node_(n_numbers, -1), facet_(n_facets, -1) {
-    out.first_candidate.push_back(0);
-    out.first_around.push_back(0);
-  }
-  std::int32_t node(std::int32_t number, std::int64_t id, std::int32_t owner, std::int32_t local, std::int32_t part) {
-    if (node_[number] < 0) {
-      node_[number] = static_cast<std::int32_t>(out.node_id.size());
-      out.node_id.push_back(id);
-      out.node_owner.push_back(owner);
-      out.node_local.push_back(local);
-      out.node_part.push_back(part);
-    }
-    return node_[number];
-  }
-  std::int32_t facet(std::int32_t f, const std::vector<Corners>& corners) {
-    if (facet_[f] < 0) {
-      facet_[f] = static_cast<std::int32_t>(out.facet_id.size());
-      const ContactFacetRecord& r = facets_[f];
-      out.facet_id.push_back(r.id);
-      out.facet_part.push_back(r.part);
-      out.facet_bulk_modulus.push_back(r.bulk_modulus);
-      out.facet_volume.push_back(r.volume);
-      for (int k = 0; k < 4; ++k)
-        out.facet_nodes.push_back(node(corners[f][k], r.nodes[k], r.owners[k], r.locals[k], r.part));
-    }
-    return facet_[f];
-  }
-  Candidates out;
-
- private:
-  const std::vector<ContactFacetRecord>& facets_;
-  std::vector<std::int32_t> node_, facet_;
 };
 
 /// The facets of one part, for slaves of other parts and for its own.
@@ -153,6 +118,7 @@ struct CandidateSearch::Tables {
   std::vector<ContactFacetRecord> facets;
   bool same_part;
   Numbering numbering;
+  std::vector<std::int64_t> ids;  // of the facets
   std::vector<Corners> corners;
   std::vector<std::int32_t> number;  // node number of each slave
   std::vector<std::int32_t> slave_of;  // per node number: the slave, or -1
@@ -164,19 +130,26 @@ struct CandidateSearch::Tables {
   std::vector<std::vector<std::int32_t>> found;  // per slave: facets, sorted by id; dead ones are left in
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
   std::int32_t mark = 0;
+  Candidates lists;  // as last asked for; nodes and facets keep their places
+  std::vector<std::int32_t> listed_node, listed_facet;  // per node number and facet: place in the lists, or -1
+  bool one_rank = false;
   std::size_t n_first = 0;  // facets of the search; the others came later
 
   Tables(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, bool same, std::size_t n_local)
       : slaves(std::move(s)),
         facets(std::move(f)),
         same_part(same),
-        numbering(slaves.size() + 2 * facets.size(), n_local) {
+        numbering(slaves.size() + 2 * facets.size(), n_local),
+        one_rank(n_local > 0) {
     corners.reserve(facets.size());
-    for (const ContactFacetRecord& facet : facets) corners.push_back(corners_of(facet));
+    for (const ContactFacetRecord& facet : facets) {
+      ids.push_back(facet.id);
+      role.push_back(facet.role);
+      corners.push_back(corners_of(facet));
+    }
     number.reserve(slaves.size());
     for (std::size_t i = 0; i < slaves.size(); ++i) join(static_cast<std::int32_t>(i));
-    for (const ContactFacetRecord& facet : facets) role.push_back(facet.role);
-    around.build(corners, numbering.size());
+    around.build(corners, ids, numbering.size());
     n_first = facets.size();
     plant_trees();
     std::vector<std::size_t> groups;
@@ -235,7 +208,7 @@ struct CandidateSearch::Tables {
     return std::any_of(c.begin(), c.end(), [&](std::int32_t n) { return ring[n] == mark; });
   }
   void sort_by_id(std::vector<std::int32_t>& list) const {
-    std::sort(list.begin(), list.end(), [&](std::int32_t a, std::int32_t b) { return facets[a].id < facets[b].id; });
+    std::sort(list.begin(), list.end(), [&](std::int32_t a, std::int32_t b) { return ids[a] < ids[b]; });
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
   /// Takes a facet whose box a slave meets, if they make a pair.
@@ -311,8 +284,8 @@ struct CandidateSearch::Tables {
     constexpr std::int64_t few = 4096;
     std::vector<char> maybe(few, 0);
     for (const std::int64_t id : dead) maybe[static_cast<std::size_t>(id % few)] = 1;
-    for (std::size_t f = 0; f < facets.size(); ++f) {
-      const std::int64_t element = facets[f].id / 8;
+    for (std::size_t f = 0; f < ids.size(); ++f) {
+      const std::int64_t element = ids[f] / 8;
       if (maybe[static_cast<std::size_t>(element % few)] == 0 || role[f] == 0) continue;
       if (!std::binary_search(dead.begin(), dead.end(), element)) continue;
       role[f] = 0;
@@ -325,12 +298,66 @@ struct CandidateSearch::Tables {
   void add(const ContactFacetRecord& facet, std::vector<std::int32_t>& affected) {
     const auto f = static_cast<std::int32_t>(facets.size());
     facets.push_back(facet);
+    ids.push_back(facet.id);
     role.push_back(facet.role);
     corners.push_back(corners_of(facet));
     for (int k = 0; k < 4; ++k) {
-      around.add(corners[f][k], f);
+      around.add(corners[f][k], f, ids);
       affected.push_back(corners[f][k]);
     }
+  }
+  std::int32_t list_node(std::int32_t n, std::int64_t id, std::int32_t owner, std::int32_t local, std::int32_t part) {
+    if (listed_node[n] < 0) {
+      listed_node[n] = static_cast<std::int32_t>(lists.node_id.size());
+      lists.node_id.push_back(id);
+      lists.node_owner.push_back(owner);
+      lists.node_local.push_back(local);
+      lists.node_part.push_back(part);
+    }
+    return listed_node[n];
+  }
+  std::int32_t list_corner(std::int32_t f, int k) {
+    const ContactFacetRecord& r = facets[f];
+    return list_node(corners[f][k], r.nodes[k], r.owners[k], r.locals[k], r.part);
+  }
+  std::int32_t list_facet(std::int32_t f) {
+    if (listed_facet[f] < 0) {
+      listed_facet[f] = static_cast<std::int32_t>(lists.facet_id.size());
+      lists.facet_id.push_back(ids[f]);
+      lists.facet_part.push_back(facets[f].part);
+      lists.facet_bulk_modulus.push_back(facets[f].bulk_modulus);
+      lists.facet_volume.push_back(facets[f].volume);
+      for (int k = 0; k < 4; ++k) lists.facet_nodes.push_back(list_corner(f, k));
+    }
+    return listed_facet[f];
+  }
+  /// The row of one slave; none where it has no candidates.
+  void list_row(std::size_t s) {
+    const std::size_t before = lists.candidate.size();
+    for (const std::int32_t f : found[s])
+      if (role[f] != 0) lists.candidate.push_back(list_facet(f));
+    if (lists.candidate.size() == before) return;
+    const ContactNodeRecord& slave = slaves[s];
+    lists.slave.push_back(list_node(number[s], slave.id, slave.owner, slave.local, slave.part));
+    for (const std::int32_t f : around.of(number[s])) lists.around.push_back(list_facet(f));
+    lists.first_candidate.push_back(static_cast<std::int32_t>(lists.candidate.size()));
+    lists.first_around.push_back(static_cast<std::int32_t>(lists.around.size()));
+  }
+  void list_all() {
+    const std::size_t before = lists.node_id.size();
+    listed_node.resize(numbering.size(), -1);
+    listed_facet.resize(facets.size(), -1);
+    lists.slave.clear();
+    lists.candidate.clear();
+    lists.around.clear();
+    lists.first_candidate.assign(1, 0);
+    lists.first_around.assign(1, 0);
+    for (std::size_t s = 0; s < slaves.size(); ++s)
+      if (!found[s].empty()) list_row(s);
+    // Where new nodes have to be fetched from other ranks, those that the next death may lay bare come with them.
+    if (one_rank || lists.node_id.size() == before) return;
+    for (std::size_t f = 0; f < facets.size(); ++f)
+      for (int k = 4; k < 8 && listed_facet[f] >= 0; ++k) list_corner(static_cast<std::int32_t>(f), k);
   }
 };
 
@@ -362,27 +389,9 @@ void CandidateSearch::change(const std::vector<std::int64_t>& dead_elements,
     if (t.slave_of[n] >= 0 && t.slave_of[n] < n_old) t.find(static_cast<std::size_t>(t.slave_of[n]));
 }
 
-Candidates CandidateSearch::candidates() const {
-  const Tables& t = *tables_;
-  Compactor compact(t.facets, t.numbering.size(), t.facets.size());
-  std::vector<std::int32_t> around;
-  for (std::size_t s = 0; s < t.slaves.size(); ++s) {
-    if (t.found[s].empty()) continue;
-    Candidates& out = compact.out;
-    const std::size_t before = out.candidate.size();
-    for (const std::int32_t f : t.found[s])
-      if (t.role[f] != 0) out.candidate.push_back(compact.facet(f, t.corners));
-    if (out.candidate.size() == before) continue;
-    const ContactNodeRecord& slave = t.slaves[s];
-    out.slave.push_back(compact.node(t.number[s], slave.id, slave.owner, slave.local, slave.part));
-    const auto now = t.around.of(t.number[s]);
-    around.assign(now.begin(), now.end());
-    t.sort_by_id(around);
-    for (const std::int32_t f : around) out.around.push_back(compact.facet(f, t.corners));
-    out.first_candidate.push_back(static_cast<std::int32_t>(out.candidate.size()));
-    out.first_around.push_back(static_cast<std::int32_t>(out.around.size()));
-  }
-  return std::move(compact.out);
+const Candidates& CandidateSearch::candidates() {
+  tables_->list_all();
+  return tables_->lists;
 }
 
 }  // namespace kerf

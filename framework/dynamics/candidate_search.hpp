@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// Candidates of all slaves that have any, in compressed rows, and everything they refer to.
+/// Candidates of all slaves that have any, in compressed rows, and everything that they refer to or have referred to.
 struct Candidates {
-  std::vector<std::int64_t> node_id;  // nodes that are referred to
+  std::vector<std::int64_t> node_id;
   std::vector<std::int32_t> node_owner, node_local;
   std::vector<std::int32_t> node_part;
   std::vector<std::int32_t> slave;  // node number
@@ -36,7 +36,10 @@ class CandidateSearch {
   /// those of a search with all that is left.
   void change(const std::vector<std::int64_t>& dead_elements, const std::vector<ContactFacetRecord>& new_facets,
               const std::vector<ContactNodeRecord>& new_slaves);
-  Candidates candidates() const;
+  /// Valid until the next call. Nodes and facets keep their places in the lists until the next search: what is referred
+  /// to for the first time comes last, and what is not referred to any more stays. Where records come from several
+  /// ranks and new nodes had to be listed, so are those on the far side of all facets' elements.
+  const Candidates& candidates();
 
  private:
   struct Tables;

@@ -129,6 +129,7 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
     const auto& corners = hex_face[k < 4 ? f.face : opposite_face[f.face]];
     r.locals[k] = part.store->node(f.slot, corners[k % 4]);
     r.nodes[k] = nodes.id[r.locals[k]];
+    r.owners[k] = model.node_owner[r.locals[k]];
     if (k < 4) sets[k] = nodes.sets[r.locals[k]];
   }
   const bool master = masters_.holds_facet(f.part, sets), slave = slaves_.holds_facet(f.part, sets);
@@ -142,7 +143,6 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   for (int k = 0; k < 4; ++k) {
     const Tracked& t = tracked_[track_of_[r.locals[k]]];
     x[k] = nodes.x(r.locals[k]);
-    r.owners[k] = model.node_owner[r.locals[k]];
     r.box.include(t.box);
     r.own_box.include(t.own_box);
   }
@@ -242,22 +242,22 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
   for (const auto& list : all_to_all(model.comm, facets_out)) facets.insert(facets.end(), list.begin(), list.end());
 }
 
-void ContactEngine::connect(const Model& model) {
-  const std::size_t n = found_.node_id.size();
+/// Makes room for the nodes of the candidates and, if there are new ones anywhere, a way to their owners. Collective.
+void ContactEngine::connect(const Model& model, bool fresh) {
+  const std::size_t n = found_->node_id.size();
+  if (!fresh && greatest(model.comm, std::int64_t{n != mass_.size() ? 1 : 0}) == 0) return;
   position_.assign(4 * n, 0.0);
   velocity_.assign(4 * n, 0.0);
   mass_.assign(n, 0.0);
   force_.assign(4 * n, 0);
   load_ = {};
-  local_.clear();
   plan_.reset();
   if (model.n_ranks() == 1) {
-    local_ = found_.node_local;
-    for (std::size_t i = 0; i < n; ++i) mass_[i] = model.nodes.mass[local_[i]];
-    load_.nodes = local_;
+    for (std::size_t i = 0; i < n; ++i) mass_[i] = model.nodes.mass[found_->node_local[i]];
+    load_.nodes = found_->node_local;
   } else {
     std::vector<Needed> needed(n);
-    for (std::size_t i = 0; i < n; ++i) needed[i] = {found_.node_id[i], found_.node_owner[i]};
+    for (std::size_t i = 0; i < n; ++i) needed[i] = {found_->node_id[i], found_->node_owner[i]};
     plan_ = std::make_unique<ExchangePlan>(model.comm, needed, [&](std::int64_t id) { return model.local_node(id); });
     plan_->pull(model.nodes.mass.data(), 1, mass_.data(), 1, 1);
     load_.nodes = plan_->sources();
@@ -310,8 +310,8 @@ void ContactEngine::search(Model& model, const Step& step) {
   if (model.n_ranks() > 1) distribute(model, slaves, facets);
   search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,
                                               model.n_ranks() == 1 ? track_of_.size() : 0);
-  found_ = search_->candidates();
-  connect(model);
+  found_ = &search_->candidates();
+  connect(model, true);
 }
 
 bool ContactEngine::takes_free(const Model& model, int node) const {
@@ -349,8 +349,8 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
     for (const auto& list : all_to_all(model.comm, to_all)) dead.insert(dead.end(), list.begin(), list.end());
   }
   search_->change(dead, facets, slaves);
-  found_ = search_->candidates();
-  connect(model);
+  found_ = &search_->candidates();
+  connect(model, false);
 }
 
 void ContactEngine::pull(const Model& model) {
@@ -359,11 +359,11 @@ void ContactEngine::pull(const Model& model) {
     plan_->pull(model.nodes.velocity.data(), 4, velocity_.data(), 4, 3);
     return;
   }
-  for (std::size_t i = 0; i < local_.size(); ++i)
-    for (int d = 0; d < 4; ++d) {
-      position_[4 * i + d] = model.nodes.position[4 * static_cast<std::size_t>(local_[i]) + d];
-      velocity_[4 * i + d] = model.nodes.velocity[4 * static_cast<std::size_t>(local_[i]) + d];
-    }
+  for (std::size_t i = 0; i < found_->node_local.size(); ++i) {
+    const auto n = static_cast<std::size_t>(found_->node_local[i]);
+    std::copy_n(&model.nodes.position[4 * n], 4, &position_[4 * i]);
+    std::copy_n(&model.nodes.velocity[4 * n], 4, &velocity_[4 * i]);
+  }
 }
 
 void ContactEngine::push(Model& model) {
@@ -386,24 +386,24 @@ void ContactEngine::push(Model& model) {
 ContactView ContactEngine::view(double dt) const {
   ContactView v;
   v.dt = dt;
-  v.n_nodes = static_cast<int>(found_.node_id.size());
-  v.node_id = found_.node_id.data();
+  v.n_nodes = static_cast<int>(found_->node_id.size());
+  v.node_id = found_->node_id.data();
   v.position = position_.data();
   v.velocity = velocity_.data();
   v.mass = mass_.data();
-  v.node_part = found_.node_part.data();
-  v.n_facets = static_cast<int>(found_.facet_id.size());
-  v.facet_id = found_.facet_id.data();
-  v.facet_nodes = found_.facet_nodes.data();
-  v.facet_part = found_.facet_part.data();
-  v.facet_bulk_modulus = found_.facet_bulk_modulus.data();
-  v.facet_volume = found_.facet_volume.data();
-  v.n_slaves = static_cast<int>(found_.slave.size());
-  v.slave = found_.slave.data();
-  v.first_candidate = found_.first_candidate.data();
-  v.candidate = found_.candidate.data();
-  v.first_around = found_.first_around.data();
-  v.around = found_.around.data();
+  v.node_part = found_->node_part.data();
+  v.n_facets = static_cast<int>(found_->facet_id.size());
+  v.facet_id = found_->facet_id.data();
+  v.facet_nodes = found_->facet_nodes.data();
+  v.facet_part = found_->facet_part.data();
+  v.facet_bulk_modulus = found_->facet_bulk_modulus.data();
+  v.facet_volume = found_->facet_volume.data();
+  v.n_slaves = static_cast<int>(found_->slave.size());
+  v.slave = found_->slave.data();
+  v.first_candidate = found_->first_candidate.data();
+  v.candidate = found_->candidate.data();
+  v.first_around = found_->first_around.data();
+  v.around = found_->around.data();
   return v;
 }
 
@@ -420,8 +420,8 @@ void ContactEngine::add_forces(Model& model, const Step& step, Timers& timers) {
   law_.add_forces(view(step.dt), forces);
   if (forces.overflow_node() >= 0)
     trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
-                           found_.node_id[forces.overflow_node()],
-                           model.parts[found_.node_part[forces.overflow_node()]].input->name, model.rank());
+                           found_->node_id[forces.overflow_node()],
+                           model.parts[found_->node_part[forces.overflow_node()]].input->name, model.rank());
   push(model);
 }
 
@@ -440,7 +440,7 @@ std::vector<std::string> ContactEngine::initial_penetrations(Model& model) {
   };
   std::vector<Deepest> local;
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    local.push_back({depths[i], found_.node_id[nodes[i]], found_.node_part[nodes[i]]});
+    local.push_back({depths[i], found_->node_id[nodes[i]], found_->node_part[nodes[i]]});
   const std::vector<Deepest> all = gather_to_root(model.comm, local);
   std::string text;
   if (!all.empty()) {

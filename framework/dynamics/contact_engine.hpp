@@ -63,7 +63,7 @@ class ContactEngine {
   void distribute(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
-  void connect(const Model& model);
+  void connect(const Model& model, bool fresh);
   void pull(const Model& model);
   void push(Model& model);
   ContactView view(double dt) const;
@@ -82,9 +82,8 @@ class ContactEngine {
   std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1
   std::vector<std::uint64_t> on_mirror_;  // per local node: boundary conditions on whose plane of symmetry it lies
   std::unique_ptr<CandidateSearch> search_;
-  Candidates found_;
+  const Candidates* found_ = nullptr;  // of search_
   std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank
-  std::vector<std::int32_t> local_;  // one rank: local node of each contact node
   AlignedVector<double> position_, velocity_;
   std::vector<double> mass_;
   std::vector<std::int64_t> force_, owned_force_;

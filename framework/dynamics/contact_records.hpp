@@ -22,8 +22,8 @@ struct ContactNodeRecord {
 struct ContactFacetRecord {
   std::int64_t id = 0;  // element id * 8 + face
   std::int64_t nodes[8] = {};  // corners of the facet, then the other four nodes of its element
-  std::int32_t locals[8] = {};  // numbers of all of them on the rank that made the record
-  std::int32_t owners[4] = {};  // of the corners
+  std::int32_t locals[8] = {};  // their numbers on the rank that made the record
+  std::int32_t owners[8] = {};
   Box box, own_box;  // inflated by the facet's reach
   double bulk_modulus = 0.0, volume = 0.0;
   std::int32_t part = 0;

@@ -214,7 +214,9 @@ void expect_well_formed(const RandomSurface& surface, const Candidates& c) {
     const auto& expected = around[c.node_id[c.slave[s]]];
     EXPECT_TRUE(std::set<std::int64_t>(listed.begin(), listed.end()) == expected) << "node " << c.node_id[c.slave[s]];
   }
-  for (std::size_t f = 0; f < c.facet_id.size(); ++f) {
+  std::set<std::int32_t> referred(c.candidate.begin(), c.candidate.end());
+  referred.insert(c.around.begin(), c.around.end());
+  for (const std::int32_t f : referred) {
     const auto it = facet.find(c.facet_id[f]);
     ASSERT_NE(it, facet.end()) << "facet " << c.facet_id[f] << " is gone";
     EXPECT_EQ(c.facet_part[f], it->second->part);
