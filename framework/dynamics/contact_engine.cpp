@@ -76,8 +76,8 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   const double left = search_time_ + horizon_ - time;
   const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
   track_of_[node] = static_cast<std::int32_t>(tracked_.size());
-  tracked_.push_back(
-      {whereabouts(x, v, drift_velocity_, margin, time), whereabouts(x, v, own, margin, time), node, nodes.part[node]});
+  tracked_.push_back({whereabouts(x, v, drift_velocity_, margin, time), whereabouts(x, v, own, margin, time), node,
+                      nodes.part[node]});
   return true;
 }
 
@@ -93,15 +93,24 @@ bool ContactEngine::moved_too_far(const Model& model, const Step& step) const {
   });
 }
 
-std::vector<char> ContactEngine::mark_exterior(const Model& model, const std::vector<ExteriorFacet>& facets) const {
-  std::vector<char> mark(static_cast<std::size_t>(model.nodes.n()), 0);
+/// Local numbers, in ascending order, of all nodes of exterior facets, on whatever rank these are, and of free nodes
+/// that take part. Collective.
+std::vector<std::int32_t> ContactEngine::surface_nodes(const Model& model,
+                                                       const std::vector<ExteriorFacet>& facets) const {
+  const auto n = static_cast<std::size_t>(model.nodes.n());
+  std::vector<char> mark(n, 0);
   for (const ExteriorFacet& f : facets)
     for (const int corner : hex_face[f.face]) mark[model.parts[f.part].store->node(f.slot, corner)] = 1;
-  if (!model.ghost_plan) return mark;
-  std::vector<std::int64_t> count(mark.begin(), mark.end());
-  sum_over_copies(model, count.data(), 1);
-  for (std::size_t i = 0; i < mark.size(); ++i) mark[i] = count[i] != 0 ? 1 : 0;
-  return mark;
+  if (model.ghost_plan) {
+    std::vector<std::int64_t> count(mark.begin(), mark.end());
+    sum_over_copies(model, count.data(), 1);
+    for (std::size_t i = 0; i < n; ++i) mark[i] = count[i] != 0 ? 1 : 0;
+  }
+  std::vector<std::int32_t> nodes;
+  for (std::size_t i = 0; i < n; ++i)
+    if ((mark[i] | model.nodes.free[i]) != 0 && (mark[i] != 0 || takes_free(model, static_cast<int>(i))))
+      nodes.push_back(static_cast<std::int32_t>(i));
+  return nodes;
 }
 
 /// Tracks a node and, if this rank owns it and it plays that role, makes it a slave.
@@ -267,11 +276,11 @@ void ContactEngine::connect(const Model& model, bool fresh) {
 }
 
 /// Mean velocity of the exterior nodes of all parts and of each. Only the size of the allowances depends on it.
-void ContactEngine::choose_references(const Model& model, const std::vector<char>& exterior) {
+void ContactEngine::choose_references(const Model& model, const std::vector<std::int32_t>& surface) {
   const std::size_t n = model.parts.size() + 1;
   std::vector<double> sums(4 * n, 0.0);
-  for (int i = 0; i < model.nodes.n(); ++i) {
-    if (exterior[i] == 0 || !model.nodes.owned[i]) continue;
+  for (const std::int32_t i : surface) {
+    if (!model.nodes.owned[i] || model.nodes.free[i]) continue;
     const Vec3 v = model.nodes.v(i);
     for (const std::size_t at : {std::size_t{0}, static_cast<std::size_t>(model.nodes.part[i]) + 1}) {
       for (int d = 0; d < 3; ++d) sums[4 * at + d] += v[d];
@@ -293,19 +302,19 @@ void ContactEngine::choose_references(const Model& model, const std::vector<char
 void ContactEngine::search(Model& model, const Step& step) {
   std::vector<ExteriorFacet> exterior = model.surface.exterior(model);
   drop_mirrored(model, exterior);
-  const std::vector<char> mark = mark_exterior(model, exterior);
-  choose_references(model, mark);
+  const std::vector<std::int32_t> surface = surface_nodes(model, exterior);
+  choose_references(model, surface);
   horizon_ = static_cast<double>(law_.search_interval + 1) * step.dt;
   slack_ = 0.002 * model.dummy_edge;  // about 3 % of the longest edge
-  search_time_ = step.end();
   last_search_ = step.cycle;
   valid_ = true;
 
+  search_time_ = step.end();
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
   std::vector<ContactNodeRecord> slaves;
-  for (int i = 0; i < model.nodes.n(); ++i)
-    if (mark[i] != 0 || takes_free(model, i)) collect_slave(model, i, search_time_, slaves);
+  slaves.reserve(surface.size());
+  for (const std::int32_t i : surface) collect_slave(model, i, search_time_, slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, exterior);
   if (model.n_ranks() > 1) distribute(model, slaves, facets);
   search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,

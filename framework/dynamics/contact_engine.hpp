@@ -51,11 +51,11 @@ class ContactEngine {
   void search(Model& model, const Step& step);
   bool moved_too_far(const Model& model, const Step& step) const;
   void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
-  std::vector<char> mark_exterior(const Model& model, const std::vector<ExteriorFacet>& facets) const;
+  std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   Box whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const;
   bool track(const Model& model, int node, double time);
   bool takes_free(const Model& model, int node) const;
-  void choose_references(const Model& model, const std::vector<char>& exterior);
+  void choose_references(const Model& model, const std::vector<std::int32_t>& surface);
   void collect_slave(const Model& model, int node, double time, std::vector<ContactNodeRecord>& records);
   double longest_edge(const std::int32_t* corners) const;
   bool collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& record) const;

@@ -32,6 +32,7 @@ void Surface::build(const Model& model) {
   remote_rank_.clear();
   remote_faces_.clear();
   remote_died_.clear();
+  known_ = Known::nothing;
   plan_.reset();
   std::vector<std::int64_t> open;
   match_local(model, open);
@@ -124,6 +125,7 @@ void Surface::match_remote(const Model& model, const std::vector<std::int64_t>& 
 }
 
 void Surface::update(const Model& model) {
+  known_ = known_ == Known::all ? Known::all_but_last_deaths : Known::nothing;
   if (model.n_ranks() == 1 || !plan_) return;
   alive_.assign(neighbour_.size(), 0);
   for (std::size_t p = 0; p < model.parts.size(); ++p)
@@ -135,7 +137,7 @@ void Surface::update(const Model& model) {
   for (std::size_t r = 0; r < before.size(); ++r) remote_died_[r] = before[r] != 0 && remote_alive_[r] == 0 ? 1 : 0;
 }
 
-std::vector<ExteriorFacet> Surface::opened_by(const Model& model, const std::vector<ExteriorFacet>& retired) const {
+std::vector<ExteriorFacet> Surface::opened_by(const Model& model, const std::vector<ExteriorFacet>& retired) {
   std::vector<ExteriorFacet> opened;
   for (const ExteriorFacet& r : retired) {
     const std::int32_t dead = offset_[r.part] + r.slot;
@@ -151,6 +153,10 @@ std::vector<ExteriorFacet> Surface::opened_by(const Model& model, const std::vec
         static_cast<std::int32_t>(std::upper_bound(offset_.begin(), offset_.end(), f.element) - offset_.begin()) - 1;
     if (model.parts[part].store->live(f.element - offset_[part]))
       opened.push_back({part, f.element - offset_[part], f.face});
+  }
+  if (known_ == Known::all_but_last_deaths) {
+    exterior_.insert(exterior_.end(), opened.begin(), opened.end());
+    known_ = Known::all;
   }
   return opened;
 }
@@ -175,6 +181,11 @@ void Surface::compact(const Model& model, const std::vector<std::vector<std::int
   for (RemoteFace& f : remote_faces_) f.element = number[f.element];
   neighbour_ = std::move(kept);
   offset_ = std::move(offset);
+  std::erase_if(exterior_, [&](ExteriorFacet& f) {
+    f.slot = moved[f.part][f.slot];
+    return f.slot < 0;
+  });
+  n_sorted_ = 0;
   if (plan_) {
     // The plan refers to old element numbers of the boundary elements: dead ones stay in it with flag 0.
     plan_->renumber([&](std::int32_t old) { return number[old]; });
@@ -188,18 +199,33 @@ bool Surface::open_face(const Model& model, int part, std::int32_t element, int 
   return !model.parts[part].store->live(n - offset_[part]);  // faces are shared within a part only
 }
 
-std::vector<ExteriorFacet> Surface::exterior(const Model& model) const {
-  std::vector<ExteriorFacet> facets;
+void Surface::find_exterior(const Model& model) {
+  exterior_.clear();
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartStore& store = *model.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
       for (int f = 0; f < 6; ++f)
         if (open_face(model, static_cast<int>(p), offset_[p] + s, f))
-          facets.push_back({static_cast<std::int32_t>(p), s, f});
+          exterior_.push_back({static_cast<std::int32_t>(p), s, f});
     }
   }
-  return facets;
+  n_sorted_ = exterior_.size();
+  known_ = Known::all;
+}
+
+const std::vector<ExteriorFacet>& Surface::exterior(const Model& model) {
+  if (known_ != Known::all) {
+    find_exterior(model);
+    return exterior_;
+  }
+  const auto dead = [&](const ExteriorFacet& f) { return !model.parts[f.part].store->live(f.slot); };
+  const auto tail = exterior_.begin() + static_cast<std::ptrdiff_t>(n_sorted_);
+  std::sort(tail, exterior_.end());
+  std::inplace_merge(exterior_.begin(), tail, exterior_.end());
+  std::erase_if(exterior_, dead);
+  n_sorted_ = exterior_.size();
+  return exterior_;
 }
 
 void Surface::neighbours(const Model& model, int part, int slot, std::vector<std::int64_t>& ids,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -23,6 +24,7 @@ inline constexpr int opposite_face[6] = {1, 0, 4, 5, 2, 3};
 
 struct ExteriorFacet {
   std::int32_t part = 0, slot = 0, face = 0;
+  auto operator<=>(const ExteriorFacet&) const = default;
 };
 
 class Surface {
@@ -32,12 +34,13 @@ class Surface {
   /// After elements were retired: learns which neighbours on other ranks have died. Collective.
   void update(const Model& model);
   /// Faces of live elements of this rank that the retired elements of this rank, and those of other ranks that the last
-  /// update() learnt of, had covered. Local.
-  std::vector<ExteriorFacet> opened_by(const Model& model, const std::vector<ExteriorFacet>& retired) const;
+  /// update() learnt of, had covered. To be asked once after every update, for all that was retired since the one
+  /// before. Local.
+  std::vector<ExteriorFacet> opened_by(const Model& model, const std::vector<ExteriorFacet>& retired);
   /// Renumbers after a part was compacted; `moved` as returned by PartStore::compact.
   void compact(const Model& model, const std::vector<std::vector<std::int32_t>>& moved);
-  /// All exterior faces of live elements of this rank.
-  std::vector<ExteriorFacet> exterior(const Model& model) const;
+  /// All exterior faces of live elements of this rank, in the order of the elements. Local.
+  const std::vector<ExteriorFacet>& exterior(const Model& model);
   /// Neighbours of a live element for graph partitioning: global id and rank of each live neighbour.
   void neighbours(const Model& model, int part, int slot, std::vector<std::int64_t>& ids,
                   std::vector<int>& ranks) const;
@@ -47,6 +50,7 @@ class Surface {
   static constexpr std::int32_t first_remote = -2;  // code of remote neighbour r is first_remote - r
   void match_local(const Model& model, std::vector<std::int64_t>& open);
   void match_remote(const Model& model, const std::vector<std::int64_t>& open);
+  void find_exterior(const Model& model);
   bool open_face(const Model& model, int part, std::int32_t element, int face) const;
 
   std::vector<std::int32_t> offset_;  // first element number of each part, and the end
@@ -59,6 +63,11 @@ class Surface {
   std::vector<RemoteFace> remote_faces_;  // faces whose neighbour is remote
   std::vector<char> remote_died_;  // found dead by the last update
   std::vector<std::int64_t> remote_alive_, alive_;
+  // What exterior() said last, then what has opened since; followed from death to death, for elements are many.
+  enum class Known { nothing, all_but_last_deaths, all };
+  Known known_ = Known::nothing;
+  std::vector<ExteriorFacet> exterior_;
+  std::size_t n_sorted_ = 0;
   std::unique_ptr<ExchangePlan> plan_;
 };
 

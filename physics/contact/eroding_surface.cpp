@@ -177,12 +177,12 @@ struct ErodingSurface final : Contact {
         warp = max_of(warp, std::fabs(dot(g.x[k] - g.centre, g.normal)));
       }
     }
-    /// No point of the facet is closer to `s` than this.
-    double distance_at_least(Vec3 s) const {
+    /// False only if all points of the facet are farther from `s` than a distance.
+    bool may_be_within(Vec3 s, double distance) const {
       const Vec3 d = s - geometry.centre;
-      const double height = dot(d, geometry.normal), over = max_of(std::fabs(height) - warp, 0.0);
-      const double beside = max_of(std::sqrt(max_of(dot(d, d) - height * height, 0.0)) - radius, 0.0);
-      return std::sqrt(over * over + beside * beside) * (1.0 - 1e-6);  // far more than round-off
+      const double height = dot(d, geometry.normal), beside = radius + distance, slack = 1e-6 * geometry.size;
+      return std::fabs(height) <= warp + distance + slack &&
+             dot(d, d) - height * height <= beside * beside + slack * geometry.size;
     }
     FacetGeometry geometry;
     double radius = 0.0, warp = 0.0;  // across the normal and along it [m]
@@ -238,14 +238,14 @@ struct ErodingSurface final : Contact {
     double found_size = 0.0;
     for (const std::int32_t f : facets) {
       const FacetGeometry& g = measured[f].geometry;
-      const double within = reach(g.size, g.thickness), least = measured[f].distance_at_least(s);
-      if (least > within || (found >= 0 && least > best.distance + 1e-9 * max_of(g.size, found_size))) continue;
+      const double within = reach(g.size, g.thickness);
+      const double tolerance = 1e-9 * max_of(g.size, found_size);
+      if (!measured[f].may_be_within(s, found < 0 ? within : min_of(within, best.distance + tolerance))) continue;
       const Vec3 d = s - g.centre;
       // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
       if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(d, g.normal)) < flush * g.size) continue;
       const Touch t = touch_facet(g, s);
       if (!(t.distance <= within)) continue;
-      const double tolerance = 1e-9 * max_of(g.size, found_size);
       const bool nearer = found < 0 || t.distance < best.distance - tolerance;
       const bool same = !nearer && t.distance <= best.distance + tolerance;
       if (!nearer && !(same && std::fabs(t.side) > std::fabs(best.side))) continue;

@@ -119,7 +119,7 @@ std::set<GlobalFacet> GlobalModel::exterior() const {
   return result;
 }
 
-std::set<GlobalFacet> gather_exterior(const Model& model, std::int64_t& n_listed) {
+std::set<GlobalFacet> gather_exterior(Model& model, std::int64_t& n_listed) {
   std::vector<GlobalFacet> local;
   for (const ExteriorFacet& f : model.surface.exterior(model))
     local.push_back({model.parts[f.part].store->id(f.slot), f.face});

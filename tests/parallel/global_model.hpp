@@ -42,6 +42,6 @@ struct GlobalModel {
 GlobalModel gather_globally(const Model& model);
 
 /// The exterior faces that the ranks' surfaces know, on rank 0; `n_listed` counts repetitions too. Collective.
-std::set<GlobalFacet> gather_exterior(const Model& model, std::int64_t& n_listed);
+std::set<GlobalFacet> gather_exterior(Model& model, std::int64_t& n_listed);
 
 }  // namespace kerf::test

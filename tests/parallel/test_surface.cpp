@@ -31,7 +31,7 @@ parts:
     placement: [{translate: [4e-3, 3e-3, 7e-3]}]
 )";
 
-void expect_true_surface(const Model& model, const std::string& when) {
+void expect_true_surface(Model& model, const std::string& when) {
   std::int64_t n_listed = 0;
   const std::set<GlobalFacet> listed = gather_exterior(model, n_listed);
   const GlobalModel global = gather_globally(model);
