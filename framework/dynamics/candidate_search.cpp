@@ -6,6 +6,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "core/assert.hpp"
 #include "dynamics/facet_tree.hpp"
 
 namespace kerf {
@@ -25,6 +26,11 @@ class Numbering {
     Slot& at = slot(id);
     if (at.id != id) at = {id, n_++};
     return at.number;
+  }
+  /// The number of an id that has one, or `otherwise`.
+  std::int32_t find(std::int64_t id, std::int32_t otherwise) {
+    const Slot& at = slot(id);
+    return at.id == id ? at.number : otherwise;
   }
   std::size_t size() const { return static_cast<std::size_t>(n_local_ > 0 ? n_local_ : n_); }
 
@@ -117,7 +123,7 @@ struct CandidateSearch::Tables {
   std::vector<ContactNodeRecord> slaves;
   std::vector<ContactFacetRecord> facets;
   bool same_part;
-  Numbering numbering;
+  Numbering numbering, facet_numbers{0, 0};  // of nodes; of facets, as far as somebody asked
   std::vector<std::int64_t> ids;  // of the facets
   std::vector<Corners> corners;
   std::vector<std::int32_t> number;  // node number of each slave
@@ -125,7 +131,9 @@ struct CandidateSearch::Tables {
   std::vector<std::uint32_t> role;  // per facet; 0 of those that are gone
   Around around;
   std::vector<PartFacets> parts;
+  std::vector<std::int32_t> late;  // facets that the trees have not, or not in their present size
   std::vector<SlaveCluster> clusters;
+  std::vector<std::int32_t> cluster_of;  // per slave
   std::vector<std::int32_t> open_cluster;  // per part: the one that has room for another slave, or -1
   std::vector<std::vector<std::int32_t>> found;  // per slave: facets, sorted by id; dead ones are left in
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
@@ -133,7 +141,6 @@ struct CandidateSearch::Tables {
   Candidates lists;  // as last asked for; nodes and facets keep their places
   std::vector<std::int32_t> listed_node, listed_facet;  // per node number and facet: place in the lists, or -1
   bool one_rank = false;
-  std::size_t n_first = 0;  // facets of the search; the others came later
 
   Tables(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, bool same, std::size_t n_local)
       : slaves(std::move(s)),
@@ -150,7 +157,6 @@ struct CandidateSearch::Tables {
     number.reserve(slaves.size());
     for (std::size_t i = 0; i < slaves.size(); ++i) join(static_cast<std::int32_t>(i));
     around.build(corners, ids, numbering.size());
-    n_first = facets.size();
     plant_trees();
     std::vector<std::size_t> groups;
     for (const SlaveCluster& cluster : clusters) find_all(cluster, groups);
@@ -187,6 +193,7 @@ struct CandidateSearch::Tables {
     }
     SlaveCluster& cluster = clusters[open_cluster[part]];
     cluster.slaves.push_back(s);
+    cluster_of.push_back(open_cluster[part]);
     cluster.box.include(slave.box);
     cluster.own_box.include(slave.own_box);
   }
@@ -250,23 +257,25 @@ struct CandidateSearch::Tables {
       tree.each(own ? slaves[s].own_box : slaves[s].box,
                 [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
     }
-    find_late(s, n_first, marked);
+    find_late(s, 0, marked);
     sort_by_id(found[s]);
   }
-  /// Pairs of a slave with the facets from number `first` on, which came after the search.
+  /// Pairs of a slave with the late facets from the given one on.
   void find_late(std::size_t s, std::size_t first, bool& marked) {
-    for (std::size_t f = first; f < facets.size(); ++f) {
-      const bool own = facets[f].part == slaves[s].part;
-      if (own ? same_part && facets[f].own_box.meets(slaves[s].own_box) : facets[f].box.meets(slaves[s].box))
-        meet(s, static_cast<std::int32_t>(f), own, marked);
+    for (std::size_t k = first; k < late.size(); ++k) {
+      const ContactFacetRecord& f = facets[late[k]];
+      const bool own = f.part == slaves[s].part;
+      if (own ? same_part && f.own_box.meets(slaves[s].own_box) : f.box.meets(slaves[s].box))
+        meet(s, late[k], own, marked);
     }
   }
-  /// Pairs of all slaves with the facets from number `first` on.
+  /// Pairs of all slaves with the late facets from the given one on.
   void find_new(std::size_t first) {
+    const auto from = late.begin() + static_cast<std::ptrdiff_t>(first);
     for (const SlaveCluster& cluster : clusters) {
-      const bool far = std::none_of(
-          facets.begin() + static_cast<std::ptrdiff_t>(first), facets.end(),
-          [&](const ContactFacetRecord& f) { return cluster.box.meets(f.box) || cluster.own_box.meets(f.own_box); });
+      const bool far = std::none_of(from, late.end(), [&](std::int32_t f) {
+        return cluster.box.meets(facets[f].box) || cluster.own_box.meets(facets[f].own_box);
+      });
       if (far) continue;
       for (const std::int32_t s : cluster.slaves) {
         const std::size_t before = found[s].size();
@@ -275,6 +284,18 @@ struct CandidateSearch::Tables {
         if (found[s].size() != before) sort_by_id(found[s]);
       }
     }
+  }
+  /// Finds anew all pairs of the slaves before `end` that are among some nodes.
+  void find_round(std::vector<std::int32_t>& nodes, std::int32_t end) {
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    for (const std::int32_t n : nodes)
+      if (slave_of[n] >= 0 && slave_of[n] < end) find(static_cast<std::size_t>(slave_of[n]));
+  }
+  /// The number of a facet; the next free one where it is not here yet.
+  std::size_t number_of_facet(std::int64_t id) {
+    while (facet_numbers.size() < ids.size()) facet_numbers.number(ids[facet_numbers.size()], 0);
+    return static_cast<std::size_t>(facet_numbers.find(id, static_cast<std::int32_t>(ids.size())));
   }
   /// Takes out the facets of some elements; their corners are added to `affected`.
   void kill(const std::vector<std::int64_t>& elements, std::vector<std::int32_t>& affected) {
@@ -297,6 +318,7 @@ struct CandidateSearch::Tables {
   }
   void add(const ContactFacetRecord& facet, std::vector<std::int32_t>& affected) {
     const auto f = static_cast<std::int32_t>(facets.size());
+    late.push_back(f);
     facets.push_back(facet);
     ids.push_back(facet.id);
     role.push_back(facet.role);
@@ -373,7 +395,7 @@ void CandidateSearch::change(const std::vector<std::int64_t>& dead_elements,
   Tables& t = *tables_;
   std::vector<std::int32_t> affected;  // nodes whose surroundings changed
   t.kill(dead_elements, affected);
-  const std::size_t first_new = t.facets.size();
+  const std::size_t first_new = t.late.size();
   const auto n_old = static_cast<std::int32_t>(t.slaves.size());
   for (const ContactFacetRecord& facet : new_facets) t.add(facet, affected);
   t.resize();
@@ -383,10 +405,36 @@ void CandidateSearch::change(const std::vector<std::int64_t>& dead_elements,
     t.join(s);
     t.find(static_cast<std::size_t>(s));
   }
-  std::sort(affected.begin(), affected.end());
-  affected.erase(std::unique(affected.begin(), affected.end()), affected.end());
-  for (const std::int32_t n : affected)
-    if (t.slave_of[n] >= 0 && t.slave_of[n] < n_old) t.find(static_cast<std::size_t>(t.slave_of[n]));
+  t.find_round(affected, n_old);
+}
+
+void CandidateSearch::refresh(const std::vector<ContactFacetRecord>& facets,
+                              const std::vector<ContactNodeRecord>& slaves) {
+  Tables& t = *tables_;
+  std::vector<std::int32_t> affected;
+  const std::size_t first_new = t.late.size();
+  for (const ContactFacetRecord& facet : facets) {
+    const std::size_t f = t.number_of_facet(facet.id);
+    if (f == t.facets.size()) {
+      t.add(facet, affected);
+      continue;
+    }
+    t.facets[f].box.include(facet.box);
+    t.facets[f].own_box.include(facet.own_box);
+    t.late.push_back(static_cast<std::int32_t>(f));
+  }
+  t.resize();
+  for (const ContactNodeRecord& slave : slaves) {
+    const std::int32_t n = t.numbering.number(slave.id, slave.local), s = t.slave_of[n];
+    KERF_ASSERT(s >= 0, "a slave stays on the rank that its home is in");
+    t.slaves[s].box = slave.box;
+    t.slaves[s].own_box = slave.own_box;
+    t.clusters[t.cluster_of[s]].box.include(slave.box);
+    t.clusters[t.cluster_of[s]].own_box.include(slave.own_box);
+    affected.push_back(n);
+  }
+  t.find_new(first_new);
+  t.find_round(affected, static_cast<std::int32_t>(t.slaves.size()));
 }
 
 const Candidates& CandidateSearch::candidates() {

@@ -36,6 +36,9 @@ class CandidateSearch {
   /// those of a search with all that is left.
   void change(const std::vector<std::int64_t>& dead_elements, const std::vector<ContactFacetRecord>& new_facets,
               const std::vector<ContactNodeRecord>& new_slaves);
+  /// Slaves that are known here, and facets that need not be, get other boxes. The candidates are then those of a
+  /// search with the new boxes, and perhaps some more.
+  void refresh(const std::vector<ContactFacetRecord>& facets, const std::vector<ContactNodeRecord>& slaves);
   /// Valid until the next call. Nodes and facets keep their places in the lists until the next search: what is referred
   /// to for the first time comes last, and what is not referred to any more stays. Where records come from several
   /// ranks and new nodes had to be listed, so are those on the far side of all facets' elements.

@@ -17,8 +17,6 @@ namespace {
 constexpr double farthest = 125.0;  // how far a search looks ahead at most, in slacks: four of the longest edges
 constexpr double unsteady = 0.25;  // share of a node's motion within its part that it may change by unforeseen
 
-Vec3 centre_of(const Box& box) { return {box.centre(0), box.centre(1), box.centre(2)}; }
-
 }  // namespace
 
 ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space)
@@ -68,29 +66,40 @@ Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double 
   return Box::spanned(here, here + way, margin);
 }
 
-/// Foresees where a node may be until the next search. False where it has no role in this contact.
-bool ContactEngine::track(const Model& model, int node, double time) {
-  const NodeStore& nodes = model.nodes;
-  if (!slaves_.holds(nodes, node) && !masters_.holds(nodes, node)) return false;
-  const Vec3 x = nodes.x(node), v = nodes.v(node), own = part_velocities_[nodes.part[node]];
+/// Foresees where a node may be until the next search.
+void ContactEngine::foresee(const Model& model, Tracked& t, double time) const {
+  const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node), own = part_velocities_[t.part];
   const double left = search_time_ + horizon_ - time;
   const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
+  t.box = whereabouts(x, v, drift_velocity_, margin, time);
+  t.own_box = whereabouts(x, v, own, margin, time);
+}
+
+/// Adds a node to the tracked ones. False where it has no role in this contact.
+bool ContactEngine::track(const Model& model, int node, double time) {
+  if (!slaves_.holds(model.nodes, node) && !masters_.holds(model.nodes, node)) return false;
+  Tracked t;
+  t.node = node;
+  t.part = model.nodes.part[node];
+  foresee(model, t, time);
+  t.home = {t.box.centre(0), t.box.centre(1), t.box.centre(2)};
   track_of_[node] = static_cast<std::int32_t>(tracked_.size());
-  tracked_.push_back({whereabouts(x, v, drift_velocity_, margin, time), whereabouts(x, v, own, margin, time), node,
-                      nodes.part[node]});
+  tracked_.push_back(t);
   return true;
 }
 
-/// Positions have been advanced already.
-bool ContactEngine::moved_too_far(const Model& model, const Step& step) const {
+/// Lists the nodes that have left their boxes. Positions have been advanced already.
+void ContactEngine::find_strays(const Model& model, const Step& step) {
+  strays_.clear();
   const double since = step.end() - search_time_;
   std::vector<Vec3> way;
   for (const Vec3 v : part_velocities_) way.push_back(v * since);
   const Vec3 drift = drift_velocity_ * since;
-  return std::any_of(tracked_.begin(), tracked_.end(), [&](const Tracked& t) {
+  for (std::size_t k = 0; k < tracked_.size(); ++k) {
+    const Tracked& t = tracked_[k];
     const Vec3 x = model.nodes.x(t.node);
-    return !(t.box.holds(x - drift) & t.own_box.holds(x - way[t.part]));
-  });
+    if (!(t.box.holds(x - drift) & t.own_box.holds(x - way[t.part]))) strays_.push_back(static_cast<std::int32_t>(k));
+  }
 }
 
 /// Local numbers, in ascending order, of all nodes of exterior facets, on whatever rank these are, and of free nodes
@@ -113,18 +122,19 @@ std::vector<std::int32_t> ContactEngine::surface_nodes(const Model& model,
   return nodes;
 }
 
-/// Tracks a node and, if this rank owns it and it plays that role, makes it a slave.
-void ContactEngine::collect_slave(const Model& model, int i, double time, std::vector<ContactNodeRecord>& records) {
+/// The record of a tracked node, if this rank owns it and it is a slave.
+void ContactEngine::add_slave(const Model& model, const Tracked& t, std::vector<ContactNodeRecord>& records) const {
   const NodeStore& nodes = model.nodes;
-  if (!track(model, i, time) || !nodes.owned[i]) return;
+  if (!nodes.owned[t.node]) return;
   ContactNodeRecord r;
-  r.role = (slaves_.holds(nodes, i) ? 1u : 0u) | (request_.symmetric && masters_.holds(nodes, i) ? 2u : 0u);
+  r.role = (slaves_.holds(nodes, t.node) ? 1u : 0u) | (request_.symmetric && masters_.holds(nodes, t.node) ? 2u : 0u);
   if (r.role == 0) return;
-  r.id = nodes.id[i];
-  r.box = tracked_.back().box;
-  r.own_box = tracked_.back().own_box;
-  r.local = i;
-  r.part = nodes.part[i];
+  r.id = nodes.id[t.node];
+  r.box = t.box;
+  r.own_box = t.own_box;
+  r.home = t.home;
+  r.local = t.node;
+  r.part = t.part;
   r.owner = model.rank();
   records.push_back(r);
 }
@@ -194,7 +204,7 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   std::vector<std::vector<ContactNodeRecord>> nodes_out(n_ranks);
   const auto share = [&] {
     for (auto& list : nodes_out) list.clear();
-    for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(centre_of(s.box))].push_back(s);
+    for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(s.home)].push_back(s);
   };
   const auto uneven = [&] {
     std::vector<std::int64_t> counts(n_ranks);
@@ -211,7 +221,7 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   if (!space_built_ || uneven()) {
     std::vector<double> coordinates, weights(slaves.size(), 1.0);
     for (const ContactNodeRecord& s : slaves)
-      for (int d = 0; d < 3; ++d) coordinates.push_back(s.box.centre(d));
+      for (int d = 0; d < 3; ++d) coordinates.push_back(s.home[d]);
     space_->build(model.comm, coordinates, weights);
     space_built_ = true;
     share();
@@ -226,7 +236,7 @@ double ContactEngine::reach_of(const Model& model, const std::vector<ContactNode
   for (const ContactNodeRecord& s : slaves)
     for (int d = 0; d < 3; ++d)
       for (const Box* box : {&s.box, &s.own_box})
-        reach = std::max({reach, box->high[d] - s.box.centre(d), s.box.centre(d) - box->low[d]});
+        reach = std::max({reach, box->high[d] - s.home[d], s.home[d] - box->low[d]});
   return greatest(model.comm, reach);
 }
 
@@ -235,7 +245,7 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
                          std::vector<ContactFacetRecord>& facets) {
   const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
   std::vector<std::vector<ContactNodeRecord>> nodes_out(n_ranks);
-  for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(centre_of(s.box))].push_back(s);
+  for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(s.home)].push_back(s);
   std::vector<std::vector<ContactFacetRecord>> facets_out(n_ranks);
   std::vector<int> ranks;
   for (const ContactFacetRecord& f : facets) {
@@ -314,13 +324,44 @@ void ContactEngine::search(Model& model, const Step& step) {
   tracked_.clear();
   std::vector<ContactNodeRecord> slaves;
   slaves.reserve(surface.size());
-  for (const std::int32_t i : surface) collect_slave(model, i, search_time_, slaves);
+  for (const std::int32_t i : surface)
+    if (track(model, i, search_time_)) add_slave(model, tracked_.back(), slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, exterior);
   if (model.n_ranks() > 1) distribute(model, slaves, facets);
   search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,
                                               model.n_ranks() == 1 ? track_of_.size() : 0);
   found_ = &search_->candidates();
   connect(model, true);
+}
+
+/// Foresees anew where nodes that have left their boxes may be, and looks for what they and the facets round them may
+/// touch. False if that takes a search. Collective.
+bool ContactEngine::refresh(Model& model, const Step& step) {
+  std::vector<ContactNodeRecord> slaves;
+  std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
+  for (const std::int32_t k : strays_) {
+    foresee(model, tracked_[k], step.end());
+    stray[tracked_[k].node] = 1;
+    add_slave(model, tracked_[k], slaves);
+  }
+  std::vector<ExteriorFacet> round;
+  for (const ExteriorFacet& f : model.surface.exterior(model)) {
+    const PartStore& store = *model.parts[f.part].store;
+    const auto& corner = hex_face[f.face];
+    if ((stray[store.node(f.slot, corner[0])] | stray[store.node(f.slot, corner[1])] |
+         stray[store.node(f.slot, corner[2])] | stray[store.node(f.slot, corner[3])]) != 0)
+      round.push_back(f);
+  }
+  drop_mirrored(model, round);
+  std::vector<ContactFacetRecord> facets = collect_facets(model, round);
+  if (model.n_ranks() > 1) {
+    if (reach_of(model, slaves) > slave_reach_) return false;
+    send(model, slaves, facets);
+  }
+  search_->refresh(facets, slaves);
+  found_ = &search_->candidates();
+  connect(model, false);
+  return true;
 }
 
 bool ContactEngine::takes_free(const Model& model, int node) const {
@@ -342,7 +383,7 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
   sum_over_copies(model, joins.data(), 1);
   std::vector<ContactNodeRecord> slaves;
   for (int i = 0; i < model.nodes.n(); ++i)
-    if (joins[i] != 0 && track_of_[i] < 0) collect_slave(model, i, time, slaves);
+    if (joins[i] != 0 && track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.back(), slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, opened);
   std::vector<std::int64_t> dead = dead_elements;
   if (model.n_ranks() > 1) {
@@ -419,8 +460,12 @@ ContactView ContactEngine::view(double dt) const {
 void ContactEngine::add_forces(Model& model, const Step& step, Timers& timers) {
   {
     const auto scope = timers.measure("contact_search");
-    const bool due = !valid_ || step.cycle - last_search_ >= law_.search_interval || moved_too_far(model, step);
-    if (greatest(model.comm, std::int64_t{due ? 1 : 0}) != 0) search(model, step);
+    const bool due = !valid_ || step.cycle - last_search_ >= law_.search_interval;
+    strays_.clear();
+    if (!due) find_strays(model, step);
+    const bool many = strays_.size() * 20 > tracked_.size();
+    const std::int64_t need = greatest(model.comm, std::int64_t{due || many ? 2 : strays_.empty() ? 0 : 1});
+    if (need == 2 || (need == 1 && !refresh(model, step))) search(model, step);
   }
   const auto scope = timers.measure("contact_forces");
   pull(model);

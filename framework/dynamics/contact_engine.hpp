@@ -46,17 +46,20 @@ class ContactEngine {
   /// Where a node may be before the candidates become incomplete.
   struct Tracked {
     Box box, own_box;
+    Vec3 home;
     std::int32_t node = 0, part = 0;
   };
   void search(Model& model, const Step& step);
-  bool moved_too_far(const Model& model, const Step& step) const;
+  void find_strays(const Model& model, const Step& step);
+  bool refresh(Model& model, const Step& step);
   void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
   std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   Box whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const;
+  void foresee(const Model& model, Tracked& t, double time) const;
   bool track(const Model& model, int node, double time);
   bool takes_free(const Model& model, int node) const;
   void choose_references(const Model& model, const std::vector<std::int32_t>& surface);
-  void collect_slave(const Model& model, int node, double time, std::vector<ContactNodeRecord>& records);
+  void add_slave(const Model& model, const Tracked& t, std::vector<ContactNodeRecord>& records) const;
   double longest_edge(const std::int32_t* corners) const;
   bool collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& record) const;
   std::vector<ContactFacetRecord> collect_facets(const Model& model, const std::vector<ExteriorFacet>& facets) const;
@@ -79,6 +82,7 @@ class ContactEngine {
   std::vector<Vec3> part_velocities_;  // the same of each part's [m/s]
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;
   std::vector<Tracked> tracked_;
+  std::vector<std::int32_t> strays_;  // of tracked_, that have left their boxes
   std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1
   std::vector<std::uint64_t> on_mirror_;  // per local node: boundary conditions on whose plane of symmetry it lies
   std::unique_ptr<CandidateSearch> search_;

@@ -14,6 +14,7 @@ namespace kerf {
 struct ContactNodeRecord {
   std::int64_t id = 0;
   Box box, own_box;
+  Vec3 home;  // decides about its rank until the next search
   std::int32_t part = 0, owner = 0;
   std::uint32_t role = 0;  // bit 0: slave; bit 1: slave of the second pass
   std::int32_t local = 0;  // the owner's number of the node
