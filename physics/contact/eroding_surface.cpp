@@ -138,9 +138,10 @@ struct ErodingSurface final : Contact {
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {
     const std::vector<Measured> facets = measure(view);
+    std::vector<Near> near;
     for (int i = 0; i < view.n_slaves; ++i) {
       if (!near_any(view, i, facets)) continue;
-      each_touch(view, i, facets, [&](int facet, const Touch& t) {
+      each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
         const int node = view.slave[i];
         const FacetGeometry& g = facets[facet].geometry;
         const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
@@ -156,9 +157,10 @@ struct ErodingSurface final : Contact {
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
     const std::vector<Measured> facets = measure(view);
+    std::vector<Near> near;
     for (int i = 0; i < view.n_slaves; ++i) {
       double deepest = 0.0;
-      each_touch(view, i, facets, [&](int facet, const Touch& t) {
+      each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
         if (t.distance >= 1e-6 * facets[facet].geometry.size) deepest = max_of(deepest, t.distance);
       });
       if (!(deepest > 0.0)) continue;
@@ -177,15 +179,22 @@ struct ErodingSurface final : Contact {
         warp = max_of(warp, std::fabs(dot(g.x[k] - g.centre, g.normal)));
       }
     }
-    /// False only if all points of the facet are farther from `s` than a distance.
-    bool may_be_within(Vec3 s, double distance) const {
+    /// Square of a distance that no point of the facet is closer to `s` than [m2].
+    double least_square(Vec3 s) const {
       const Vec3 d = s - geometry.centre;
-      const double height = dot(d, geometry.normal), beside = radius + distance, slack = 1e-6 * geometry.size;
-      return std::fabs(height) <= warp + distance + slack &&
-             dot(d, d) - height * height <= beside * beside + slack * geometry.size;
+      const double height = dot(d, geometry.normal), over = max_of(std::fabs(height) - warp, 0.0);
+      const double across = dot(d, d) - height * height;
+      const double beside = across > radius * radius ? std::sqrt(across) - radius : 0.0;
+      return (over * over + beside * beside) * (1.0 - 1e-6);  // far more than round-off
     }
     FacetGeometry geometry;
     double radius = 0.0, warp = 0.0;  // across the normal and along it [m]
+  };
+
+  /// A facet that a node may be within reach of.
+  struct Near {
+    std::int32_t facet;
+    double least_square;  // [m2]
   };
 
   static std::vector<Measured> measure(const ContactView& view) {
@@ -214,7 +223,8 @@ struct ErodingSurface final : Contact {
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.
   template <class Push>
-  void each_touch(const ContactView& view, int i, const std::vector<Measured>& facets, const Push& push) const {
+  void each_touch(const ContactView& view, int i, const std::vector<Measured>& facets, std::vector<Near>& near,
+                  const Push& push) const {
     const Vec3 own = own_normal(view, i);
     const std::int32_t* from = view.candidate + view.first_candidate[i];
     const std::int32_t* end = view.candidate + view.first_candidate[i + 1];
@@ -222,7 +232,7 @@ struct ErodingSurface final : Contact {
       const std::int32_t* to = from;
       while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
       Touch t;
-      const int facet = locate(view, view.slave[i], own, {from, to}, facets, t);
+      const int facet = locate(view, view.slave[i], own, {from, to}, facets, near, t);
       if (facet >= 0) push(facet, t);
       from = to;
     }
@@ -231,21 +241,37 @@ struct ErodingSurface final : Contact {
   /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
   /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
   int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets,
-             const std::vector<Measured>& measured, Touch& best) const {
+             const std::vector<Measured>& measured, std::vector<Near>& near, Touch& best) const {
     const Vec3 s = view.x(node);
     const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
-    int found = -1;
-    double found_size = 0.0;
+    near.clear();
+    double least = 1e300;
+    int first = -1;  // the one that is probably closest: most of the others need not be looked at after it
     for (const std::int32_t f : facets) {
       const FacetGeometry& g = measured[f].geometry;
-      const double within = reach(g.size, g.thickness);
-      const double tolerance = 1e-9 * max_of(g.size, found_size);
-      if (!measured[f].may_be_within(s, found < 0 ? within : min_of(within, best.distance + tolerance))) continue;
-      const Vec3 d = s - g.centre;
+      const double within = reach(g.size, g.thickness), square = measured[f].least_square(s);
+      if (square > within * within) continue;
       // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
-      if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(d, g.normal)) < flush * g.size) continue;
-      const Touch t = touch_facet(g, s);
-      if (!(t.distance <= within)) continue;
+      if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(s - g.centre, g.normal)) < flush * g.size)
+        continue;
+      near.push_back({f, square});
+      if (square < least) first = f;
+      least = min_of(least, square);
+    }
+    if (first < 0) return -1;
+    const FacetGeometry& likely = measured[first].geometry;
+    const Touch guess = touch_facet(likely, s);
+    const bool counts = guess.distance <= reach(likely.size, likely.thickness);
+    const double enough = counts ? guess.distance + 1e-6 * likely.size : 1e150;
+    int found = -1;
+    double found_size = 0.0;
+    for (const Near& n : near) {
+      if (n.least_square > enough * enough) continue;
+      const std::int32_t f = n.facet;
+      const FacetGeometry& g = measured[f].geometry;
+      const Touch t = f == first ? guess : touch_facet(g, s);
+      if (!(t.distance <= reach(g.size, g.thickness))) continue;
+      const double tolerance = 1e-9 * max_of(g.size, found_size);
       const bool nearer = found < 0 || t.distance < best.distance - tolerance;
       const bool same = !nearer && t.distance <= best.distance + tolerance;
       if (!nearer && !(same && std::fabs(t.side) > std::fabs(best.side))) continue;
