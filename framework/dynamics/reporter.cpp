@@ -193,6 +193,7 @@ void Reporter::finish(const std::string& exit) {
     if (last_history_cycle_ != simulation_.clock().cycle()) write_history(false);
     if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
     if (exit == "signal") write_restart();
+    results_.reset();  // makes room for what measures need
   }
   const Summary summary = summarise(exit);
   if (!root()) return;

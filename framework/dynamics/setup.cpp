@@ -95,7 +95,13 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
   const SetMarker sets(model, part);
   ElementBundle& out = bundle.parts[p];
   const int size = part.store->record_size();
-  out.records.resize(static_cast<std::size_t>(last - first) * size);
+  const auto n = static_cast<std::size_t>(last - first);
+  out.records.resize(n * static_cast<std::size_t>(size));
+  out.ids.reserve(n);
+  out.nodes.reserve(n);
+  // As many as the elements' share of the part, and some more on the cut to the next rank.
+  const double share = static_cast<double>(n) / static_cast<double>(mesh.n_elements());
+  bundle.nodes.reserve(bundle.nodes.size() + static_cast<std::size_t>(1.05 * share * mesh.n_nodes()) + 64);
   std::vector<char> seen(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (std::int64_t e = first; e < last; ++e) {
     const auto corners = mesh.element(e);

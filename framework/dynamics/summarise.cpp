@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 
+#include "core/assert.hpp"
 #include "core/fixed_sum.hpp"
 #include "dynamics/reporter.hpp"
 #include "dynamics/setup.hpp"
@@ -18,53 +20,75 @@ namespace {
 
 std::array<double, 3> triple(Vec3 v) { return {v.x, v.y, v.z}; }
 
-/// All live elements and all nodes on rank 0, sorted by id. Collective.
-MeasureModel gather_model(const Model& model) {
-  struct FlatElement {
-    std::int64_t id, nodes[8], part;
-    double mass;
-  };
-  std::vector<FlatElement> elements;
+struct FlatElement {
+  std::int64_t id, nodes[8], part;
+  double mass;
+};
+
+/// Calls `take` with every live element of this rank.
+template <class Take>
+void each_element(const Model& model, const Take& take) {
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartStore& store = *model.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
       FlatElement e{store.id(s), {}, static_cast<std::int64_t>(p), store.field(PartStore::mass).at(s, 0)};
       for (int k = 0; k < 8; ++k) e.nodes[k] = model.nodes.id[store.node(s, k)];
-      elements.push_back(e);
+      take(e);
     }
   }
-  std::vector<NodeRecord> nodes;
-  for (int i = 0; i < model.nodes.n(); ++i)
-    if (model.nodes.owned[i]) nodes.push_back(model.nodes.record(i));
-  elements = gather_to_root(model.comm, elements);
-  nodes = gather_to_root(model.comm, nodes);
-  std::sort(elements.begin(), elements.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  std::sort(nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+}
 
+/// Calls `take` with every node that this rank owns.
+template <class Take>
+void each_node(const Model& model, const Take& take) {
+  for (int i = 0; i < model.nodes.n(); ++i)
+    if (model.nodes.owned[i]) take(model.nodes.record(i));
+}
+
+/// Calls `take` on rank 0 with all items of all ranks, which `each` shows on theirs: of one rank after the other, since
+/// rank 0 may not have room for all of them twice. Collective.
+template <class Item, class Each, class Take>
+void take_on_root(const Model& model, const Each& each, const Take& take) {
+  if (model.rank() == 0) each(model, take);
+  for (int r = 1; r < model.n_ranks(); ++r) {
+    std::vector<Item> items;
+    if (model.rank() == r) each(model, [&](const Item& item) { items.push_back(item); });
+    for (const Item& item : bring_to_root(model.comm, r, std::move(items))) take(item);
+  }
+}
+
+/// All live elements and all nodes on rank 0, sorted by id. Collective.
+MeasureModel gather_model(const Model& model) {
   MeasureModel m;
   for (const PartModel& p : model.parts) {
     m.parts.push_back(p.input->name);
     m.initial_mass.push_back(p.initial_mass);
   }
-  for (const NodeRecord& n : nodes)
-    m.nodes.push_back({n.id,
-                       n.part,
-                       n.free != 0,
-                       n.mass,
-                       reference_position(model, n.id),
-                       {n.position[0], n.position[1], n.position[2]},
-                       {n.velocity[0], n.velocity[1], n.velocity[2]}});
-  const auto index = [&](std::int64_t id) {
-    const auto it =
-        std::lower_bound(nodes.begin(), nodes.end(), id, [](const NodeRecord& n, std::int64_t v) { return n.id < v; });
-    return static_cast<std::int32_t>(it - nodes.begin());
-  };
-  for (const FlatElement& e : elements) {
-    MeasureModel::Element out{e.id, static_cast<int>(e.part), e.mass, {}};
-    for (int k = 0; k < 8; ++k) out.nodes[k] = index(e.nodes[k]);
-    m.elements.push_back(out);
+  KERF_ASSERT(model.n_nodes <= std::numeric_limits<std::int32_t>::max(), "measures number nodes in 32 bits");
+  if (model.rank() == 0) {
+    m.nodes.resize(static_cast<std::size_t>(model.n_nodes), {-1, -1, true, 0.0, {}, {}, {}});
+    m.elements.resize(static_cast<std::size_t>(model.n_elements), {-1, -1, 0.0, {}});
   }
+  take_on_root<NodeRecord>(
+      model, [](const Model& all, const auto& take) { each_node(all, take); },
+      [&](const NodeRecord& n) {
+        m.nodes[static_cast<std::size_t>(n.id)] = {n.id,
+                                                   n.part,
+                                                   n.free != 0,
+                                                   n.mass,
+                                                   reference_position(model, n.id),
+                                                   {n.position[0], n.position[1], n.position[2]},
+                                                   {n.velocity[0], n.velocity[1], n.velocity[2]}};
+      });
+  take_on_root<FlatElement>(
+      model, [](const Model& all, const auto& take) { each_element(all, take); },
+      [&](const FlatElement& e) {
+        MeasureModel::Element& out = m.elements[static_cast<std::size_t>(e.id)];
+        out = {e.id, static_cast<int>(e.part), e.mass, {}};
+        for (int k = 0; k < 8; ++k) out.nodes[k] = static_cast<std::int32_t>(e.nodes[k]);
+      });
+  std::erase_if(m.elements, [](const MeasureModel::Element& e) { return e.id < 0; });
   return m;
 }
 

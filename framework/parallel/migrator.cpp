@@ -115,16 +115,13 @@ void number(Model& model, ModelBundle& bundle, const RecordIndex& index) {
     ElementBundle& part = bundle.parts[p];
     PartStore& store = *model.parts[p].store;
     const auto order = curve_order(part, records, index);
-    std::vector<std::int64_t> ids(order.size());
-    std::vector<std::array<std::int32_t, 8>> nodes(order.size());
-    std::vector<const double*> data(order.size());
-    for (std::size_t s = 0; s < order.size(); ++s) {
-      const std::int32_t e = order[s];
-      ids[s] = part.ids[e];
-      for (int k = 0; k < 8; ++k) nodes[s][k] = touch(index(part.nodes[e][k]));
-      data[s] = part.records.data() + static_cast<std::size_t>(e) * store.record_size();
+    store.make_room(static_cast<int>(order.size()));
+    for (std::size_t slot = 0; slot < order.size(); ++slot) {
+      const auto e = static_cast<std::size_t>(order[slot]);
+      std::array<std::int32_t, 8> nodes;
+      for (int k = 0; k < 8; ++k) nodes[k] = touch(index(part.nodes[e][k]));
+      store.put(static_cast<int>(slot), part.ids[e], nodes, part.records.data() + e * store.record_size());
     }
-    store.assign(ids, nodes, data);
     part = ElementBundle{};
   }
   const std::size_t n_touched = sequence.size();

@@ -69,7 +69,7 @@ struct Model {
   void index_nodes();
 
  private:
-  std::vector<std::pair<std::int64_t, std::int32_t>> by_id_;
+  std::vector<std::int32_t> by_id_;  // local nodes in the order of their ids
   int n_ranks_ = 1, rank_ = 0;
 };
 

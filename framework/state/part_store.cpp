@@ -68,17 +68,16 @@ void PartStore::clear_slot(int slot) {
   fields_[volume].at(slot, 0) = dummy_volume_;
 }
 
-void PartStore::assign(const std::vector<std::int64_t>& ids, const std::vector<std::array<std::int32_t, 8>>& nodes,
-                       const std::vector<const double*>& records) {
-  resize(static_cast<int>(ids.size()));
+void PartStore::make_room(int n_elements) {
+  resize(n_elements);
   n_live_ = n_slots_;
-  for (int s = 0; s < n_slots_; ++s) {
-    ids_[s] = ids[s];
-    for (int k = 0; k < 8; ++k) nodes_[node_index(s, k)] = nodes[s][k];
-    const double* record = records[s];
-    for (Field& f : fields_)
-      for (int c = 0; c < f.n_components; ++c) f.at(s, c) = *record++;
-  }
+}
+
+void PartStore::put(int slot, std::int64_t id, const std::array<std::int32_t, 8>& nodes, const double* record) {
+  ids_[slot] = id;
+  for (int k = 0; k < 8; ++k) nodes_[node_index(slot, k)] = nodes[k];
+  for (Field& f : fields_)
+    for (int c = 0; c < f.n_components; ++c) f.at(slot, c) = *record++;
 }
 
 void PartStore::set_dummies(std::int32_t first_dummy, double dummy_mass, double dummy_volume) {

@@ -65,9 +65,10 @@ class PartStore {
   int record_size() const { return record_size_; }
   void pack(int slot, double* record) const;
 
-  /// Replaces all elements: ids in slot order, eight local nodes each, one record each.
-  void assign(const std::vector<std::int64_t>& ids, const std::vector<std::array<std::int32_t, 8>>& nodes,
-              const std::vector<const double*>& records);
+  /// Forgets all elements and makes room for new ones, which have to be put into slots 0 .. n - 1.
+  void make_room(int n_elements);
+  /// Puts an element into a slot: its id, its local nodes, and its record.
+  void put(int slot, std::int64_t id, const std::array<std::int32_t, 8>& nodes, const double* record);
   /// Fills the record of a fresh element of the given mass [kg].
   void initial_record(double element_mass, double* record) const;
   /// Turns a slot into an empty one. Pre: live(slot).

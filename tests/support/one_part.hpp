@@ -96,17 +96,13 @@ class OnePart {
         eos_(make_law<Eos>("eos", laws.eos, laws.eos_parameters)),
         store_(0, *element_, *strength_, *eos_, {}),
         density_(laws.density) {
-    std::vector<std::int64_t> ids;
-    std::vector<std::vector<double>> records;
-    std::vector<const double*> rows;
+    std::vector<double> record(static_cast<std::size_t>(store_.record_size()));
+    store_.make_room(static_cast<int>(elements_.size()));
     for (std::size_t e = 0; e < elements_.size(); ++e) {
-      ids.push_back(static_cast<std::int64_t>(e));
-      records.emplace_back(store_.record_size());
       const double volume = volume_by_divergence(mesh, elements_[e]);
-      store_.initial_record(laws.compression * density_ * volume, records.back().data());
+      store_.initial_record(laws.compression * density_ * volume, record.data());
+      store_.put(static_cast<int>(e), static_cast<std::int64_t>(e), elements_[e], record.data());
     }
-    for (const auto& r : records) rows.push_back(r.data());
-    store_.assign(ids, elements_, rows);
     // The dummy nodes form a cube that is larger than any element, so that it never sets the time step.
     const double edge = 16.0 * std::cbrt(volume_by_divergence(mesh, elements_[0]));
     store_.set_dummies(static_cast<std::int32_t>(x.size()), density_ * edge * edge * edge, edge * edge * edge);

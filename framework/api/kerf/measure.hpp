@@ -12,7 +12,8 @@
 
 namespace kerf {
 
-/// The live elements and all nodes of the model, gathered on rank 0 and sorted by global id.
+/// The live elements and all nodes of the model, gathered on rank 0 and sorted by global id. A node's id is its place
+/// in the list; one that no rank holds any more has id and part -1.
 struct MeasureModel {
   std::vector<std::string> parts;
   struct Node {
