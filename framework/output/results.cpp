@@ -246,7 +246,7 @@ void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements,
                                          const std::vector<std::string>& part_names) {
   require(!has_topology_, "the topology is written once, and a reopened results file has it already");
   const SlabExchange& plan = elements_.plans.get(comm_, elements_.n, elements);
-  int complete = std::ranges::find(plan.present(), std::uint8_t{0}) == plan.present().end();
+  int complete = plan.all_present();
   MPI_Allreduce(MPI_IN_PLACE, &complete, 1, MPI_INT, MPI_LAND, comm_);
   require(complete, "the topology has to name every element of the model");
 
@@ -288,8 +288,10 @@ void ResultsWriter::Impl::begin_frame(double time) {
   in_frame_ = true;
   has_points_ = false;
   time_ = time;
-  for (Entities* kind : {&nodes_, &elements_})
+  for (Entities* kind : {&nodes_, &elements_}) {
+    kind->plans.forget();
     for (auto& [name, series] : kind->series) series.written = false;
+  }
 }
 
 template <class T>
@@ -342,7 +344,7 @@ void ResultsWriter::Impl::add_values(const Entities& kind, const Handle& table, 
   const auto n = static_cast<std::size_t>(components);
   slab.resize(plan.present().size() * n);
   plan.update_slab<T, double>(values, components, slab);
-  for (std::size_t i = 0; i < plan.present().size(); ++i)
+  for (std::size_t i = 0; i < plan.present().size() && !plan.all_present(); ++i)
     if (!plan.present()[i]) std::fill_n(slab.data() + i * n, n, T(0));
   append<T>(kind, table, slab);
 }

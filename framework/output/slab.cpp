@@ -132,6 +132,7 @@ SlabExchange::SlabExchange(MPI_Comm comm, std::int64_t n_global, std::span<const
       taken = 1;
     }
   throw_everywhere(comm, fault);
+  all_present_ = std::find(present_.begin(), present_.end(), std::uint8_t{0}) == present_.end();
 }
 
 template <class T, class Given>
@@ -171,7 +172,10 @@ std::vector<T> SlabExchange::from_slab(std::span<const std::type_identity_t<T>> 
 }
 
 const SlabExchange& SlabExchangeCache::get(MPI_Comm comm, std::int64_t n_global, std::span<const std::int64_t> gids) {
-  int same = plan_ && plan_->n_global() == n_global && std::equal(gids.begin(), gids.end(), gids_.begin(), gids_.end());
+  const bool untouched = place_ != nullptr && gids.data() == place_ && gids.size() == gids_.size();
+  int same = plan_ && plan_->n_global() == n_global &&
+             (untouched || std::equal(gids.begin(), gids.end(), gids_.begin(), gids_.end()));
+  place_ = gids.data();
   MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_LAND, comm);
   if (!same) {
     plan_.reset();

@@ -39,6 +39,7 @@ class SlabExchange {
   std::int64_t n_held() const { return n_held_; }
   /// One entry per entity of the slab: 1 where some rank holds it, 0 where nobody does.
   std::span<const std::uint8_t> present() const { return present_; }
+  bool all_present() const { return all_present_; }
 
   /// Pre: values has `components` entries per held gid, in the order of the gids.
   /// Post: values of this rank's slab in global order, `fill` where nobody holds the entity. Collective.
@@ -64,6 +65,7 @@ class SlabExchange {
   MPI_Comm comm_;
   std::int64_t n_global_ = 0, begin_ = 0, n_held_ = 0;
   std::vector<std::uint8_t> present_;
+  bool all_present_ = false;
   // Held entities that stay on this rank: place among the gids, place in the slab.
   std::vector<std::int32_t> local_held_, local_slot_;
   // Held entities that others store, ordered by rank; slab places that others fill, ordered by rank.
@@ -74,10 +76,13 @@ class SlabExchange {
 /// Keeps the last plan and builds a new one only when some rank's gids have changed.
 class SlabExchangeCache {
  public:
-  /// Collective. The reference is valid until the next call.
+  /// Collective. The reference is valid until the next call. Ids that stand where those of the call before stood are
+  /// taken to be the same, unless forget() was called.
   const SlabExchange& get(MPI_Comm comm, std::int64_t n_global, std::span<const std::int64_t> gids);
+  void forget() { place_ = nullptr; }
 
  private:
+  const std::int64_t* place_ = nullptr;
   std::vector<std::int64_t> gids_;
   std::unique_ptr<SlabExchange> plan_;
 };
