@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "dynamics/element_loop.hpp"
 #include "dynamics/setup.hpp"
@@ -15,6 +16,8 @@ namespace kerf {
 namespace {
 
 constexpr double farthest = 125.0;  // how far a search looks ahead at most, in slacks: four of the longest edges
+constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
+constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
 constexpr double unsteady = 0.25;  // share of a node's motion within its part that it may change by unforeseen
 
 }  // namespace
@@ -30,6 +33,7 @@ ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique
 
 void ContactEngine::renumbered(const Model& model) {
   invalidate();
+  n_candidates_.clear();
   on_mirror_.assign(mirrored_.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
   // By the undeformed position, which does not depend on when the question is asked.
   for (std::size_t i = 0; i < on_mirror_.size(); ++i) {
@@ -200,34 +204,43 @@ std::vector<ContactFacetRecord> ContactEngine::collect_facets(const Model& model
 /// Sends every slave to the rank whose box holds it and every facet to all ranks that it may reach.
 void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord>& slaves,
                                std::vector<ContactFacetRecord>& facets) {
-  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
-  std::vector<std::vector<ContactNodeRecord>> nodes_out(n_ranks);
-  const auto share = [&] {
-    for (auto& list : nodes_out) list.clear();
-    for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(s.home)].push_back(s);
-  };
-  const auto uneven = [&] {
-    std::vector<std::int64_t> counts(n_ranks);
-    for (std::size_t r = 0; r < n_ranks; ++r) counts[r] = static_cast<std::int64_t>(nodes_out[r].size());
-    MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(n_ranks), MPI_INT64_T, MPI_SUM, model.comm);
-    std::int64_t total = 0, most = 0;
-    for (const std::int64_t c : counts) {
-      total += c;
-      most = std::max(most, c);
-    }
-    return most * static_cast<std::int64_t>(n_ranks) * 4 > total * 5;
-  };
-  if (space_built_) share();
-  if (!space_built_ || uneven()) {
-    std::vector<double> coordinates, weights(slaves.size(), 1.0);
+  // A slave costs some work at a search, and some for each of its candidates until the next.
+  std::vector<double> weights;
+  weights.reserve(slaves.size());
+  for (const ContactNodeRecord& s : slaves)
+    weights.push_back(1.0 +
+                      (n_candidates_.empty() ? 0.0 : candidate_work * static_cast<double>(n_candidates_[s.local])));
+  if (!space_built_ || uneven(model, slaves, weights)) {
+    std::vector<double> coordinates;
     for (const ContactNodeRecord& s : slaves)
       for (int d = 0; d < 3; ++d) coordinates.push_back(s.home[d]);
     space_->build(model.comm, coordinates, weights);
     space_built_ = true;
-    share();
   }
   slave_reach_ = 1.5 * reach_of(model, slaves);  // leaves some for slaves that join before the next search
   send(model, slaves, facets);
+}
+
+/// Whether the present boxes of space share out the work badly. Collective.
+bool ContactEngine::uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                           const std::vector<double>& weights) const {
+  std::vector<double> work(static_cast<std::size_t>(model.n_ranks()), 0.0);
+  for (std::size_t k = 0; k < slaves.size(); ++k) work[space_->owner(slaves[k].home)] += weights[k];
+  // From rank 0, because all must decide alike.
+  std::vector<double> sums(work.size());
+  MPI_Reduce(work.data(), sums.data(), model.n_ranks(), MPI_DOUBLE, MPI_SUM, 0, model.comm);
+  MPI_Bcast(sums.data(), model.n_ranks(), MPI_DOUBLE, 0, model.comm);
+  const double total = std::accumulate(sums.begin(), sums.end(), 0.0);
+  return *std::max_element(sums.begin(), sums.end()) * model.n_ranks() > worst_share * total;
+}
+
+/// Tells owners how many candidates their slaves have. Collective.
+void ContactEngine::count_candidates(const Model& model) {
+  std::vector<std::int64_t> counts(found_->node_id.size(), 0);
+  for (std::size_t k = 0; k < found_->slave.size(); ++k)
+    counts[found_->slave[k]] = found_->first_candidate[k + 1] - found_->first_candidate[k];
+  n_candidates_.assign(static_cast<std::size_t>(model.nodes.n()), 0);
+  plan_->push_add(counts.data(), 1, n_candidates_.data(), 1, 1);
 }
 
 /// How far slaves reach out of the place that decides about their rank. Collective.
@@ -332,6 +345,7 @@ void ContactEngine::search(Model& model, const Step& step) {
                                               model.n_ranks() == 1 ? track_of_.size() : 0);
   found_ = &search_->candidates();
   connect(model, true);
+  if (plan_) count_candidates(model);
 }
 
 /// Foresees anew where nodes that have left their boxes may be, and looks for what they and the facets round them may

@@ -64,6 +64,9 @@ class ContactEngine {
   bool collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& record) const;
   std::vector<ContactFacetRecord> collect_facets(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   void distribute(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
+  bool uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+              const std::vector<double>& weights) const;
+  void count_candidates(const Model& model);
   double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);
@@ -76,6 +79,7 @@ class ContactEngine {
   NodeGroup slaves_, masters_;
   std::vector<NodeGroup> mirrored_;  // nodes of each boundary condition, in the order of the input
   std::unique_ptr<SpatialDecomposition> space_;
+  std::vector<std::int64_t> n_candidates_;  // per local node that this rank owns, at the last search; or empty
   bool space_built_ = false, valid_ = false;
   std::int64_t last_search_ = 0;
   Vec3 drift_velocity_;  // mean velocity of the surface [m/s]
