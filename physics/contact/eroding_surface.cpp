@@ -6,6 +6,7 @@
 // another rank. Facets are taken as four triangles round their centre, which closes the surface without gaps.
 #include <kerf/contact_geometry.hpp>
 
+#include <algorithm>
 #include <span>
 
 namespace {
@@ -137,13 +138,13 @@ struct ErodingSurface final : Contact {
   double reach(double longest_edge, double /*thickness*/) const override { return depth * longest_edge; }
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {
-    const std::vector<Measured> facets = measure(view);
+    const Measured facets = measure(view);
     std::vector<Near> near;
     for (int i = 0; i < view.n_slaves; ++i) {
-      if (!near_any(view, i, facets)) continue;
+      if (!near_any(view, i, facets.slab)) continue;
       each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
         const int node = view.slave[i];
-        const FacetGeometry& g = facets[facet].geometry;
+        const FacetGeometry& g = facets.geometry[facet];
         const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
         const double mass = effective_mass(view, node, n, t.weights);
         const double stiffness = min_of(penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness,
@@ -156,12 +157,12 @@ struct ErodingSurface final : Contact {
   }
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
-    const std::vector<Measured> facets = measure(view);
+    const Measured facets = measure(view);
     std::vector<Near> near;
     for (int i = 0; i < view.n_slaves; ++i) {
       double deepest = 0.0;
       each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
-        if (t.distance >= 1e-6 * facets[facet].geometry.size) deepest = max_of(deepest, t.distance);
+        if (t.distance >= 1e-6 * facets.geometry[facet].size) deepest = max_of(deepest, t.distance);
       });
       if (!(deepest > 0.0)) continue;
       nodes.push_back(view.slave[i]);
@@ -171,24 +172,41 @@ struct ErodingSurface final : Contact {
   }
 
  private:
-  /// A facet, and the flat cylinder that holds its four triangles.
-  struct Measured {
-    explicit Measured(const FacetGeometry& g) : geometry(g) {
+  /// The flat cylinder that holds a facet's four triangles, and what else decides about most nodes, side by side.
+  struct Slab {
+    Vec3 centre, normal;
+    double radius = 0.0, warp = 0.0;  // across the normal and along it [m]
+    double size = 0.0, deepest = 0.0;  // longest edge, greatest penetration [m]
+
+    Slab(const FacetGeometry& g, double depth)
+        : centre(g.centre), normal(g.normal), size(g.size), deepest(depth * min_of(g.thickness, g.size)) {
       for (int k = 0; k < 4; ++k) {
-        radius = max_of(radius, norm(g.x[k] - g.centre));
-        warp = max_of(warp, std::fabs(dot(g.x[k] - g.centre, g.normal)));
+        const Vec3 d = g.x[k] - g.centre;
+        radius = max_of(radius, dot(d, d));
+        warp = max_of(warp, std::fabs(dot(d, g.normal)));
       }
+      radius = std::sqrt(radius);
     }
     /// Square of a distance that no point of the facet is closer to `s` than [m2].
     double least_square(Vec3 s) const {
-      const Vec3 d = s - geometry.centre;
-      const double height = dot(d, geometry.normal), over = max_of(std::fabs(height) - warp, 0.0);
+      const Vec3 d = s - centre;
+      const double height = dot(d, normal), over = max_of(std::fabs(height) - warp, 0.0);
       const double across = dot(d, d) - height * height;
       const double beside = across > radius * radius ? std::sqrt(across) - radius : 0.0;
       return (over * over + beside * beside) * (1.0 - 1e-6);  // far more than round-off
     }
-    FacetGeometry geometry;
-    double radius = 0.0, warp = 0.0;  // across the normal and along it [m]
+    /// False only if the facet cannot push a node at `s`: a way to the closest point that is not straight leads
+    /// sideways by the depth at most.
+    bool may_push(Vec3 s) const {
+      const Vec3 d = s - centre;
+      const double height = dot(d, normal), across = radius + deepest;
+      return (height <= 1e-6 * size + warp) & (height >= -1.01 * deepest - warp) &
+             (dot(d, d) - height * height <= across * across);
+    }
+  };
+  struct Measured {
+    std::vector<Slab> slab;
+    std::vector<FacetGeometry> geometry;
   };
 
   /// A facet that a node may be within reach of.
@@ -197,33 +215,28 @@ struct ErodingSurface final : Contact {
     double least_square;  // [m2]
   };
 
-  static std::vector<Measured> measure(const ContactView& view) {
-    std::vector<Measured> facets;
-    facets.reserve(static_cast<std::size_t>(view.n_facets));
-    for (int f = 0; f < view.n_facets; ++f) facets.emplace_back(FacetGeometry(view, f));
-    return facets;
+  Measured measure(const ContactView& view) const {
+    Measured m;
+    m.slab.reserve(static_cast<std::size_t>(view.n_facets));
+    m.geometry.reserve(static_cast<std::size_t>(view.n_facets));
+    for (int f = 0; f < view.n_facets; ++f) {
+      m.geometry.emplace_back(view, f);
+      m.slab.emplace_back(m.geometry.back(), depth);
+    }
+    return m;
   }
 
-  /// Whether a slave is below one of its candidates, or beside it by no more than the depth; most are not, and cost no
-  /// more than this.
-  bool near_any(const ContactView& view, int i, const std::vector<Measured>& facets) const {
+  /// Whether one of its candidates may push a slave; most slaves cost no more than this.
+  static bool near_any(const ContactView& view, int i, const std::vector<Slab>& slabs) {
     const Vec3 s = view.x(view.slave[i]);
-    for (std::int32_t c = view.first_candidate[i]; c < view.first_candidate[i + 1]; ++c) {
-      const Measured& f = facets[view.candidate[c]];
-      const FacetGeometry& g = f.geometry;
-      const Vec3 d = s - g.centre;
-      const double height = dot(d, g.normal);
-      if (height > 1e-6 * g.size + f.warp) continue;
-      const double deepest = depth * min_of(g.thickness, g.size), across = f.radius + deepest;
-      if (height >= -1.01 * deepest - f.warp && dot(d, d) - height * height <= across * across) return true;
-    }
-    return false;
+    return std::any_of(view.candidate + view.first_candidate[i], view.candidate + view.first_candidate[i + 1],
+                       [&](std::int32_t f) { return slabs[f].may_push(s); });
   }
 
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.
   template <class Push>
-  void each_touch(const ContactView& view, int i, const std::vector<Measured>& facets, std::vector<Near>& near,
+  void each_touch(const ContactView& view, int i, const Measured& facets, std::vector<Near>& near,
                   const Push& push) const {
     const Vec3 own = own_normal(view, i);
     const std::int32_t* from = view.candidate + view.first_candidate[i];
@@ -241,15 +254,15 @@ struct ErodingSurface final : Contact {
   /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
   /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
   int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets,
-             const std::vector<Measured>& measured, std::vector<Near>& near, Touch& best) const {
+             const Measured& measured, std::vector<Near>& near, Touch& best) const {
     const Vec3 s = view.x(node);
     const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
     near.clear();
     double least = 1e300;
     int first = -1;  // the one that is probably closest: most of the others need not be looked at after it
     for (const std::int32_t f : facets) {
-      const FacetGeometry& g = measured[f].geometry;
-      const double within = reach(g.size, g.thickness), square = measured[f].least_square(s);
+      const Slab& g = measured.slab[f];
+      const double within = reach(g.size, 0.0), square = g.least_square(s);
       if (square > within * within) continue;
       // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
       if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(s - g.centre, g.normal)) < flush * g.size)
@@ -259,7 +272,7 @@ struct ErodingSurface final : Contact {
       least = min_of(least, square);
     }
     if (first < 0) return -1;
-    const FacetGeometry& likely = measured[first].geometry;
+    const FacetGeometry& likely = measured.geometry[first];
     const Touch guess = touch_facet(likely, s);
     const bool counts = guess.distance <= reach(likely.size, likely.thickness);
     const double enough = counts ? guess.distance + 1e-6 * likely.size : 1e150;
@@ -268,7 +281,7 @@ struct ErodingSurface final : Contact {
     for (const Near& n : near) {
       if (n.least_square > enough * enough) continue;
       const std::int32_t f = n.facet;
-      const FacetGeometry& g = measured[f].geometry;
+      const FacetGeometry& g = measured.geometry[f];
       const Touch t = f == first ? guess : touch_facet(g, s);
       if (!(t.distance <= reach(g.size, g.thickness))) continue;
       const double tolerance = 1e-9 * max_of(g.size, found_size);
@@ -280,7 +293,7 @@ struct ErodingSurface final : Contact {
       found_size = g.size;
     }
     if (found < 0) return -1;
-    const FacetGeometry& g = measured[found].geometry;
+    const FacetGeometry& g = measured.geometry[found];
     if (best.distance > depth * min_of(g.thickness, g.size)) return -1;
     // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
     // straight below a facet that faces the node is believed to be inside.
@@ -302,10 +315,10 @@ struct ErodingSurface final : Contact {
   /// Sum of the normals of all triangles that hold a point of a body's surface, each weighted by the angle that it
   /// takes up there: a point near an edge or a corner is inside just where it lies below this normal (Baerentzen &
   /// Aanaes, "Signed distance computation using the angle weighted pseudonormal", IEEE TVCG 11 (2005) 243-253).
-  static Vec3 normal_at(std::span<const std::int32_t> facets, const std::vector<Measured>& measured, Vec3 point) {
+  static Vec3 normal_at(std::span<const std::int32_t> facets, const Measured& measured, Vec3 point) {
     Vec3 sum;
     for (const std::int32_t f : facets) {
-      const FacetGeometry& g = measured[f].geometry;
+      const FacetGeometry& g = measured.geometry[f];
       const double tolerance = 1e-7 * g.size;
       const Vec3 d = point - g.centre;
       if (!(dot(d, d) < 2.0 * g.size * g.size)) continue;
