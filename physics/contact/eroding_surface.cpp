@@ -141,7 +141,6 @@ struct ErodingSurface final : Contact {
     const Measured facets = measure(view);
     std::vector<Near> near;
     for (int i = 0; i < view.n_slaves; ++i) {
-      if (!near_any(view, i, facets.slab)) continue;
       each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
         const int node = view.slave[i];
         const FacetGeometry& g = facets.geometry[facet];
@@ -226,30 +225,36 @@ struct ErodingSurface final : Contact {
     return m;
   }
 
-  /// Whether one of its candidates may push a slave; most slaves cost no more than this.
-  static bool near_any(const ContactView& view, int i, const std::vector<Slab>& slabs) {
-    const Vec3 s = view.x(view.slave[i]);
-    return std::any_of(view.candidate + view.first_candidate[i], view.candidate + view.first_candidate[i + 1],
-                       [&](std::int32_t f) { return slabs[f].may_push(s); });
-  }
-
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.
   template <class Push>
   void each_touch(const ContactView& view, int i, const Measured& facets, std::vector<Near>& near,
                   const Push& push) const {
-    const Vec3 own = own_normal(view, i);
+    const Vec3 s = view.x(view.slave[i]);
+    Vec3 own;
+    bool has_own = false;
     const std::int32_t* from = view.candidate + view.first_candidate[i];
     const std::int32_t* end = view.candidate + view.first_candidate[i + 1];
     while (from != end) {
       const std::int32_t* to = from;
       while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
+      const bool same_part = view.facet_part[*from] == view.node_part[view.slave[i]];
+      // Most slaves are near no facet of a body that could push them, and cost no more than this.
+      const bool any = std::any_of(from, to, [&](std::int32_t f) {
+        if (!facets.slab[f].may_push(s)) return false;
+        if (!has_own) own = own_normal(view, i);
+        has_own = true;
+        return !same_part || faces(own, facets.slab[f].normal);
+      });
       Touch t;
-      const int facet = locate(view, view.slave[i], own, {from, to}, facets, near, t);
+      const int facet = any ? locate(view, view.slave[i], own, {from, to}, facets, near, t) : -1;
       if (facet >= 0) push(facet, t);
       from = to;
     }
   }
+
+  /// Whether a surface with one normal may touch one of the same body with another.
+  static bool faces(Vec3 own, Vec3 normal) { return dot(own, own) == 0.0 || dot(own, normal) < opposing; }
 
   /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
   /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
@@ -297,8 +302,7 @@ struct ErodingSurface final : Contact {
     if (best.distance > depth * min_of(g.thickness, g.size)) return -1;
     // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
     // straight below a facet that faces the node is believed to be inside.
-    if (same_part)
-      return best.side < straight_below && (dot(own, own) == 0.0 || dot(own, g.normal) < opposing) ? found : -1;
+    if (same_part) return best.side < straight_below && faces(own, g.normal) ? found : -1;
     if (std::fabs(best.side) > 1.0 - 1e-9) return best.side < 0.0 ? found : -1;
     // Below an edge or a corner the surface as a whole decides.
     Vec3 point;

@@ -1,0 +1,321 @@
+// Benchmarks of contact between two blocks, on one rank: the search for candidates, how it follows deaths and nodes
+// that leave their boxes, and the forces of eroding_surface.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "dynamics/candidate_search.hpp"
+#include "dynamics/erosion.hpp"
+#include "kerf/contact.hpp"
+#include "parallel/scene.hpp"
+
+namespace {
+
+using namespace kerf;
+using test::scatter;
+
+/// Two slabs of four layers of cells of about 1 mm, one flying at the other, turned and inclined a little. The records
+/// of their surfaces are made as the contact engine makes them.
+class TwoSlabs {
+ public:
+  static constexpr double dt = 1e-7;  // [s]
+
+  /// `gap` [mm] between the slabs' middles; where it vanishes, half of the faces overlap.
+  TwoSlabs(int cells, double gap)
+      : input_(test::scene(fmt::format(R"(
+time: {{end: 1}}
+materials:
+  metal:
+    density: 7850
+    strength: {{type: elastic, shear_modulus: 80e9}}
+    eos: {{type: linear, bulk_modulus: 170e9}}
+    erosion: {{criteria: [{{type: fuse}}]}}
+parts:
+  lower:
+    material: metal
+    mesh: {{type: block, size: [{0}e-3, {0}e-3, 4e-3], origin: [-{1}e-3, -{1}e-3, -4e-3], cells: [{0}, {0}, 4]}}
+  upper:
+    material: metal
+    velocity: [200, 0, -500]
+    mesh: {{type: block, size: [{0}e-3, {0}e-3, 4e-3], origin: [-{1}e-3, -{1}e-3, 0], cells: [{2}, {2}, 4]}}
+    placement: [{{angle: 0.2}}, {{angle: 1e-3, axis: [0, 1, 0], translate: [0, 0, {3}e-3]}}]
+contacts: [{{type: eroding_surface}}]
+)",
+                                       cells, 0.5 * cells, cells * 9 / 10, gap))) {
+    test::generate(model_, *input_);
+    ledger_.open(model_);
+    boxes_.resize(static_cast<std::size_t>(model_.nodes.n()));
+    facets_ = model_.surface.exterior(model_);
+    for (const ExteriorFacet& f : facets_)
+      for (int k = 0; k < 4; ++k) track(corner(f, k), slaves_);
+    for (const ExteriorFacet& f : facets_) records_.push_back(record(f));
+  }
+
+  Model& model() { return model_; }
+  const Contact& law() const { return *input_->contacts.front(); }
+  std::size_t n_facets() const { return facets_.size(); }
+  std::unique_ptr<CandidateSearch> search() const {
+    return std::make_unique<CandidateSearch>(slaves_, records_, true, boxes_.size());
+  }
+  /// As of a search on one of several ranks, if not `one_rank`.
+  std::unique_ptr<CandidateSearch> search(std::vector<ContactNodeRecord>&& slaves,
+                                          std::vector<ContactFacetRecord>&& facets, bool one_rank) const {
+    return std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), true, one_rank ? boxes_.size() : 0);
+  }
+  const std::vector<ContactNodeRecord>& slaves() const { return slaves_; }
+  const std::vector<ContactFacetRecord>& facets() const { return records_; }
+
+  /// What a search is told after a step.
+  struct News {
+    std::vector<std::int64_t> dead;
+    std::vector<ContactFacetRecord> facets;
+    std::vector<ContactNodeRecord> slaves;
+  };
+  /// Kills four elements in the middle of the contact.
+  News kill_some(int round);
+  /// One slave in 500 leaves its box.
+  News stray_some(int round);
+
+ private:
+  struct Boxes {
+    Box box, own_box;
+    bool tracked = false;
+  };
+  std::int32_t corner(const ExteriorFacet& f, int k) const {
+    const int face = k < 4 ? f.face : opposite_face[f.face];
+    return model_.parts[f.part].store->node(f.slot, hex_face[face][k % 4]);
+  }
+  /// Foresees where a node may be, and gives its record.
+  ContactNodeRecord foresee(std::int32_t node, Vec3 x) {
+    const Vec3 v = model_.nodes.v(node), drift = Vec3{100, 0, -250};
+    const double horizon = static_cast<double>(law().search_interval + 1) * dt, slack = 0.002 * model_.dummy_edge;
+    Boxes& b = boxes_[static_cast<std::size_t>(node)];
+    b = {Box::spanned(x, x + (v - drift) * horizon, slack), Box::spanned(x, x, slack), true};
+    ContactNodeRecord r;
+    r.id = model_.nodes.id[node];
+    r.box = b.box;
+    r.own_box = b.own_box;
+    r.home = {b.box.centre(0), b.box.centre(1), b.box.centre(2)};
+    r.part = model_.nodes.part[node];
+    r.role = 1;
+    r.local = node;
+    return r;
+  }
+  void track(std::int32_t node, std::vector<ContactNodeRecord>& joined) {
+    if (!boxes_[static_cast<std::size_t>(node)].tracked) joined.push_back(foresee(node, model_.nodes.x(node)));
+  }
+  ContactFacetRecord record(const ExteriorFacet& f) const;
+
+  std::unique_ptr<ModelInput> input_;
+  Model model_;
+  Ledger ledger_;
+  std::vector<Boxes> boxes_;  // per node
+  std::vector<ExteriorFacet> facets_;
+  std::vector<ContactNodeRecord> slaves_;
+  std::vector<ContactFacetRecord> records_;
+};
+
+ContactFacetRecord TwoSlabs::record(const ExteriorFacet& f) const {
+  const PartModel& part = model_.parts[f.part];
+  ContactFacetRecord r;
+  r.id = part.store->id(f.slot) * 8 + f.face;
+  r.part = f.part;
+  r.role = 1;
+  r.bulk_modulus = part.bulk_modulus;
+  r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
+  Vec3 x[4];
+  for (int k = 0; k < 8; ++k) {
+    r.locals[k] = corner(f, k);
+    r.nodes[k] = model_.nodes.id[r.locals[k]];
+    if (k >= 4) continue;
+    x[k] = model_.nodes.x(r.locals[k]);
+    r.box.include(boxes_[static_cast<std::size_t>(r.locals[k])].box);
+    r.own_box.include(boxes_[static_cast<std::size_t>(r.locals[k])].own_box);
+  }
+  double longest = 0.0;
+  for (int k = 0; k < 4; ++k) longest = std::max(longest, norm(x[(k + 1) % 4] - x[k]));
+  const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1])), slack = 0.002 * model_.dummy_edge;
+  const double reach = law().reach(longest + 4.0 * slack, r.volume / area);
+  r.box.inflate(reach);
+  r.own_box.inflate(reach);
+  return r;
+}
+
+TwoSlabs::News TwoSlabs::kill_some(int round) {
+  // Of the elements that face the other slab, within 8 mm of the middle, those with the lowest lots.
+  std::vector<std::pair<double, ExteriorFacet>> lots;
+  for (const ExteriorFacet& f : facets_) {
+    if (f.face != 1 - f.part || !model_.parts[f.part].store->live(f.slot)) continue;
+    const Vec3 x = model_.nodes.x(corner(f, 0));
+    if (std::max(std::fabs(x.x), std::fabs(x.y)) > 8e-3) continue;
+    const std::int64_t id = model_.parts[f.part].store->id(f.slot);
+    lots.emplace_back(scatter(static_cast<std::uint64_t>(round), static_cast<std::uint64_t>(id)), f);
+  }
+  std::sort(lots.begin(), lots.end());
+  News news;
+  Erosion erosion(model_);
+  for (int part = 0; part < 2; ++part) {
+    auto& judge = dynamic_cast<PartJudge&>(*erosion.judge(model_, part, 1));
+    for (std::size_t k = 0; k < 4; ++k)
+      if (lots[k].second.part == part) judge.failures.push_back({lots[k].second.slot, 0, 0.0});
+  }
+  for (const ErosionRecord& r : erosion.erode(model_, Step{1, 0.0, dt, dt}, ledger_)) news.dead.push_back(r.element);
+  erosion.update_free_nodes(model_);
+  const std::vector<ExteriorFacet> opened = model_.surface.opened_by(model_, erosion.retired());
+  for (const ExteriorFacet& f : opened)
+    for (int k = 0; k < 4; ++k) track(corner(f, k), news.slaves);
+  for (const ExteriorFacet& f : opened) news.facets.push_back(record(f));
+  return news;
+}
+
+TwoSlabs::News TwoSlabs::stray_some(int round) {
+  News news;
+  std::vector<char> stray(boxes_.size(), 0);
+  for (const ContactNodeRecord& s : slaves_) {
+    if (scatter(100 + static_cast<std::uint64_t>(round), static_cast<std::uint64_t>(s.id)) >= 0.002) continue;
+    stray[static_cast<std::size_t>(s.local)] = 1;
+    news.slaves.push_back(foresee(s.local, model_.nodes.x(s.local) + Vec3{0.1e-3, 0.1e-3, 0.0}));
+  }
+  for (const ExteriorFacet& f : facets_)
+    if ((stray[corner(f, 0)] | stray[corner(f, 1)] | stray[corner(f, 2)] | stray[corner(f, 3)]) != 0)
+      news.facets.push_back(record(f));
+  return news;
+}
+
+/// Construction and the first lists; items are facets.
+void search_anew(benchmark::State& state) {
+  const TwoSlabs slabs(static_cast<int>(state.range(0)), 0.0);
+  std::unique_ptr<CandidateSearch> search;
+  std::size_t n_pairs = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    search.reset();
+    auto slaves = slabs.slaves();
+    auto facets = slabs.facets();
+    state.ResumeTiming();
+    search = slabs.search(std::move(slaves), std::move(facets), state.range(1) != 0);
+    n_pairs = search->candidates().candidate.size();
+  }
+  const auto n = static_cast<std::int64_t>(slabs.n_facets());
+  state.SetItemsProcessed(state.iterations() * n);
+  state.counters["facets"] = static_cast<double>(n);
+  state.counters["candidates"] = static_cast<double>(n_pairs);
+}
+BENCHMARK(search_anew)->ArgNames({"cells", "one_rank"})->ArgsProduct({{32, 96}, {0, 1}})->Unit(benchmark::kMicrosecond);
+
+/// The lists alone, as they are made anew after every change; items are slaves that have candidates.
+void list_candidates(benchmark::State& state) {
+  const TwoSlabs slabs(static_cast<int>(state.range(0)), 0.0);
+  const auto search = slabs.search();
+  std::size_t n_rows = 0;
+  for (auto _ : state) n_rows = search->candidates().slave.size();
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(n_rows));
+}
+BENCHMARK(list_candidates)->ArgName("cells")->Arg(32)->Arg(96)->Unit(benchmark::kMicrosecond);
+
+/// As many times as a search is used, tells it news with `tell`, then starts from a fresh one.
+template <class Tell>
+void follow(benchmark::State& state, const TwoSlabs& slabs, const std::vector<TwoSlabs::News>& rounds,
+            const Tell& tell) {
+  std::unique_ptr<CandidateSearch> search;
+  std::size_t round = 0, n_facets = 0;
+  for (auto _ : state) {
+    if (round % rounds.size() == 0) {
+      state.PauseTiming();
+      search = slabs.search();
+      search->candidates();
+      state.ResumeTiming();
+    }
+    const TwoSlabs::News& news = rounds[round++ % rounds.size()];
+    n_facets += news.facets.size();
+    tell(*search, news);
+  }
+  state.counters["new_facets"] = static_cast<double>(n_facets) / static_cast<double>(round);
+}
+
+/// Four elements die in a step, ten times; items are dead elements. Without the lists.
+void change(benchmark::State& state) {
+  TwoSlabs slabs(static_cast<int>(state.range(0)), 0.0);
+  std::vector<TwoSlabs::News> rounds;
+  for (int r = 0; r < 10; ++r) rounds.push_back(slabs.kill_some(r));
+  follow(state, slabs, rounds, [](CandidateSearch& search, const TwoSlabs::News& news) {
+    search.change(news.dead, news.facets, news.slaves);
+  });
+  state.SetItemsProcessed(state.iterations() * 4);
+}
+BENCHMARK(change)->ArgName("cells")->Arg(32)->Arg(96)->Unit(benchmark::kMicrosecond);
+
+/// One slave in 500 leaves its box in a step, ten times; items are such slaves. Without the lists.
+void refresh(benchmark::State& state) {
+  TwoSlabs slabs(static_cast<int>(state.range(0)), 0.0);
+  std::vector<TwoSlabs::News> rounds;
+  for (int r = 0; r < 10; ++r) rounds.push_back(slabs.stray_some(r));
+  std::int64_t n_strays = 0;
+  follow(state, slabs, rounds, [&](CandidateSearch& search, const TwoSlabs::News& news) {
+    n_strays += static_cast<std::int64_t>(news.slaves.size());
+    search.refresh(news.facets, news.slaves);
+  });
+  state.SetItemsProcessed(n_strays);
+}
+BENCHMARK(refresh)->ArgName("cells")->Arg(32)->Arg(96)->Unit(benchmark::kMicrosecond);
+
+/// Forces of eroding_surface on the candidates; items are slaves that have any. With a gap of 0, half of those between
+/// the slabs are pushed; with one of 0.2 mm, none.
+void contact_forces(benchmark::State& state) {
+  TwoSlabs slabs(static_cast<int>(state.range(0)), 0.1 * static_cast<double>(state.range(1)));
+  const NodeStore& nodes = slabs.model().nodes;
+  const auto search = slabs.search();
+  const Candidates& found = search->candidates();
+  std::vector<double> position, velocity, mass;
+  for (const std::int32_t n : found.node_local) {
+    mass.push_back(nodes.mass[n]);
+    position.insert(position.end(), &nodes.position[4 * n], &nodes.position[4 * n] + 4);
+    velocity.insert(velocity.end(), &nodes.velocity[4 * n], &nodes.velocity[4 * n] + 4);
+  }
+  ContactView v;
+  v.dt = TwoSlabs::dt;
+  v.n_nodes = static_cast<int>(found.node_id.size());
+  v.node_id = found.node_id.data();
+  v.position = position.data();
+  v.velocity = velocity.data();
+  v.mass = mass.data();
+  v.node_part = found.node_part.data();
+  v.n_facets = static_cast<int>(found.facet_id.size());
+  v.facet_id = found.facet_id.data();
+  v.facet_nodes = found.facet_nodes.data();
+  v.facet_part = found.facet_part.data();
+  v.facet_bulk_modulus = found.facet_bulk_modulus.data();
+  v.facet_volume = found.facet_volume.data();
+  v.n_slaves = static_cast<int>(found.slave.size());
+  v.slave = found.slave.data();
+  v.first_candidate = found.first_candidate.data();
+  v.candidate = found.candidate.data();
+  v.first_around = found.first_around.data();
+  v.around = found.around.data();
+
+  std::vector<std::int64_t> force(position.size());
+  std::int64_t n_pushed = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    std::fill(force.begin(), force.end(), 0);
+    ContactForces forces(force.data(), slabs.model().quanta.force);
+    state.ResumeTiming();
+    slabs.law().add_forces(v, forces);
+    n_pushed = forces.n_pairs();
+    if (forces.overflow_node() >= 0) state.SkipWithError("a contact force is beyond all bounds");
+  }
+  state.SetItemsProcessed(state.iterations() * v.n_slaves);
+  state.counters["slaves"] = v.n_slaves;
+  state.counters["pushed"] = static_cast<double>(n_pushed);
+  state.counters["candidates_per_slave"] = static_cast<double>(found.candidate.size()) / v.n_slaves;
+}
+BENCHMARK(contact_forces)
+    ->ArgNames({"cells", "gap_0.1mm"})
+    ->ArgsProduct({{32, 96}, {0, 2}})
+    ->Unit(benchmark::kMicrosecond);
+
+}  // namespace
