@@ -48,6 +48,20 @@ class RandomSurface {
         }
     }
   }
+  /// Moves the boxes of one slave, and those of the facets round it, elsewhere.
+  void displace(std::vector<ContactFacetRecord>& changed, std::vector<ContactNodeRecord>& strays) {
+    ContactNodeRecord& slave = slaves[random_() % slaves.size()];
+    const Vec3 to{real(0.0, 7.0), real(0.0, 7.0), real(0.0, 7.0)};
+    slave.box = slave.own_box = Box::spanned(to, to + way(), 0.1);
+    nodes_[slave.id] = slave;
+    strays.push_back(slave);
+    for (ContactFacetRecord& f : facets) {
+      if (std::find(f.nodes, f.nodes + 4, slave.id) == f.nodes + 4) continue;
+      f.box.include(slave.box);
+      f.own_box.include(slave.own_box);
+      changed.push_back(f);
+    }
+  }
   std::size_t n_nodes() const { return nodes_.size(); }
   std::vector<std::int64_t> live_elements() const {
     std::vector<std::int64_t> ids;
@@ -263,6 +277,33 @@ TEST(CandidateSearch, misses_no_pair_while_the_surface_changes) {
         // Not only enough: the very pairs of a search from scratch.
         const Candidates fresh = CandidateSearch(surface.slaves, surface.facets, same_part, n_local).candidates();
         EXPECT_TRUE(pairs_of(search.candidates()) == pairs_of(fresh)) << what;
+      }
+    }
+}
+
+TEST(CandidateSearch, misses_no_pair_when_nodes_stray) {
+  for (unsigned seed = 40; seed < 46; ++seed)
+    for (const bool same_part : {true, false}) {
+      RandomSurface surface(seed);
+      const std::size_t n_local = seed % 2 == 0 ? 0 : surface.n_nodes();
+      // Some facets are not known at first, as if they had been too far from this rank's slaves.
+      std::vector<ContactFacetRecord> known;
+      for (std::size_t f = 0; f < surface.facets.size(); ++f)
+        if (f % 5 != 0) known.push_back(surface.facets[f]);
+      CandidateSearch search(surface.slaves, known, same_part, n_local);
+      std::vector<ContactFacetRecord> changed;
+      std::vector<ContactNodeRecord> strays;
+      for (std::size_t f = 0; f < surface.facets.size(); f += 5) changed.push_back(surface.facets[f]);
+      for (int round = 0; round < 4; ++round) {
+        for (int k = 0; k < 6; ++k) surface.displace(changed, strays);
+        search.refresh(changed, strays);
+        const std::string what = "seed " + std::to_string(seed) + ", round " + std::to_string(round);
+        const std::set<Pair> found = pairs_of(search.candidates()), needed = all_pairs(surface, same_part);
+        EXPECT_TRUE(std::includes(found.begin(), found.end(), needed.begin(), needed.end())) << what;
+        EXPECT_LT(found.size(), 3 * needed.size() + 1000) << what;
+        expect_well_formed(surface, search.candidates());
+        changed.clear();
+        strays.clear();
       }
     }
 }
