@@ -271,12 +271,18 @@ struct CandidateSearch::Tables {
   }
   /// Pairs of all slaves with the late facets from the given one on.
   void find_new(std::size_t first) {
-    const auto from = late.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::span<const std::int32_t> fresh(late.begin() + static_cast<std::ptrdiff_t>(first), late.end());
+    Box all, all_own;
+    for (const std::int32_t f : fresh) {
+      all.include(facets[f].box);
+      all_own.include(facets[f].own_box);
+    }
     for (const SlaveCluster& cluster : clusters) {
-      const bool far = std::none_of(from, late.end(), [&](std::int32_t f) {
+      if (!cluster.box.meets(all) && !cluster.own_box.meets(all_own)) continue;
+      const bool near = std::any_of(fresh.begin(), fresh.end(), [&](std::int32_t f) {
         return cluster.box.meets(facets[f].box) || cluster.own_box.meets(facets[f].own_box);
       });
-      if (far) continue;
+      if (!near) continue;
       for (const std::int32_t s : cluster.slaves) {
         const std::size_t before = found[s].size();
         bool marked = false;

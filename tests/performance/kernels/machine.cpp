@@ -26,6 +26,7 @@ void triad(benchmark::State& state) {
   benchmark::DoNotOptimize(s);
   for (auto _ : state) {
     for (std::size_t i = 0; i < n; ++i) a[i] = b[i] + s * c[i];
+    benchmark::DoNotOptimize(a.data());
     benchmark::ClobberMemory();
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(n));
