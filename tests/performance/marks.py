@@ -31,6 +31,7 @@ MARKS = (
     Mark("bar_johnson_cook.rate", "Johnson-Cook bar, whole run", "M/s", 6.0, scale=1e-6),
     Mark("rod.rate", "oblique rod, 82 thousand elements, whole run", "M/s", 7.0, scale=1e-6),
     Mark("rod.contact_share", "oblique rod, contact's share of the time", "%", 25.0, False, 100.0),
+    Mark("rod_start.contact_share", "the same in its first 15 us", "%", 25.0, False, 100.0),
     Mark("rod.output_share", "oblique rod, output's share of the time", "%", 5.0, False, 100.0),
     Mark("ranks.bar", "bar, two ranks over two serial runs", "%", 90.0, scale=100.0),
     Mark("ranks.rod", "rod, two ranks over two serial runs", "%", 80.0, scale=100.0),

@@ -85,18 +85,24 @@ def measure_bar(bench: Bench) -> None:
 
 
 def measure_rod(bench: Bench) -> None:
-    size, end = ("11 thousand", "4 us") if bench.quick else ("82 thousand", "15 us")
-    heading(f"Oblique rod, {size} elements, one rank, {end}, default output")
-    runs = bench.interleaved([rod("rod", size, f"time.end={end}")])["rod"]
-    line("whole run", bench.keep("rod.rate", [run.rate for run in runs]), "M/s", 1e-6)
-    for phase in PHASES:
-        share = bench.keep(f"rod.share.{phase}", [run.timer(phase) / total_of(run) for run in runs])
-        if share.median > 0.0:
-            line(phase.replace("_", " "), share, "% of time", 100.0)
-    bench.keep("rod.contact_share",
-               [(run.timer("contact_search") + run.timer("contact_forces")) / total_of(run) for run in runs])
-    bench.keep("rod.output_share", [run.timer("output") / total_of(run) for run in runs])
-    print(f"  eroded {runs[0].summary['eroded']['elements']} elements in {runs[0].summary['cycles']} cycles")
+    """The whole run, and its first part, in which there is little debris yet."""
+    size = "11 thousand" if bench.quick else "82 thousand"
+    cases = {"rod": "8 us" if bench.quick else "50 us", "rod_start": "4 us" if bench.quick else "15 us"}
+    # Rows of history as often as in the whole run by default: a 200th of it.
+    runs = bench.interleaved([rod(name, size, f"time.end={end}", "output.history_interval=0.25 us")
+                              for name, end in cases.items()])
+    for name, end in cases.items():
+        heading(f"Oblique rod, {size} elements, one rank, {end}, default output")
+        line("run without output", bench.keep(f"{name}.rate", [run.rate for run in runs[name]]), "M/s", 1e-6)
+        for phase in PHASES:
+            share = bench.keep(f"{name}.share.{phase}", [run.timer(phase) / total_of(run) for run in runs[name]])
+            if share.median > 0.0:
+                line(phase.replace("_", " "), share, "% of time", 100.0)
+        contact = [(run.timer("contact_search") + run.timer("contact_forces")) / total_of(run) for run in runs[name]]
+        bench.keep(f"{name}.contact_share", contact)
+        bench.keep(f"{name}.output_share", [run.timer("output") / total_of(run) for run in runs[name]])
+        summary = runs[name][0].summary
+        print(f"  eroded {summary['eroded']['elements']} elements in {summary['cycles']} cycles")
 
 
 def measure_ranks(bench: Bench) -> None:

@@ -57,15 +57,11 @@ contacts: [{{type: eroding_surface}}]
     for (const ExteriorFacet& f : facets_) records_.push_back(record(f));
   }
 
-  Model& model() { return model_; }
+  const Model& model() const { return model_; }
   const Contact& law() const { return *input_->contacts.front(); }
-  std::size_t n_facets() const { return facets_.size(); }
-  std::unique_ptr<CandidateSearch> search() const {
-    return std::make_unique<CandidateSearch>(slaves_, records_, true, boxes_.size());
-  }
   /// As of a search on one of several ranks, if not `one_rank`.
-  std::unique_ptr<CandidateSearch> search(std::vector<ContactNodeRecord>&& slaves,
-                                          std::vector<ContactFacetRecord>&& facets, bool one_rank) const {
+  std::unique_ptr<CandidateSearch> search(std::vector<ContactNodeRecord> slaves, std::vector<ContactFacetRecord> facets,
+                                          bool one_rank = true) const {
     return std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), true, one_rank ? boxes_.size() : 0);
   }
   const std::vector<ContactNodeRecord>& slaves() const { return slaves_; }
@@ -202,7 +198,7 @@ void search_anew(benchmark::State& state) {
     search = slabs.search(std::move(slaves), std::move(facets), state.range(1) != 0);
     n_pairs = search->candidates().candidate.size();
   }
-  const auto n = static_cast<std::int64_t>(slabs.n_facets());
+  const auto n = static_cast<std::int64_t>(slabs.facets().size());
   state.SetItemsProcessed(state.iterations() * n);
   state.counters["facets"] = static_cast<double>(n);
   state.counters["candidates"] = static_cast<double>(n_pairs);
@@ -212,7 +208,7 @@ BENCHMARK(search_anew)->ArgNames({"cells", "one_rank"})->ArgsProduct({{32, 96}, 
 /// The lists alone, as they are made anew after every change; items are slaves that have candidates.
 void list_candidates(benchmark::State& state) {
   const TwoSlabs slabs(static_cast<int>(state.range(0)), 0.0);
-  const auto search = slabs.search();
+  const auto search = slabs.search(slabs.slaves(), slabs.facets());
   std::size_t n_rows = 0;
   for (auto _ : state) n_rows = search->candidates().slave.size();
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(n_rows));
@@ -229,7 +225,7 @@ void follow(benchmark::State& state, const TwoSlabs& slabs, const std::vector<Tw
   for (auto _ : state) {
     if (round % rounds.size() == 0) {
       state.PauseTiming();
-      search = slabs.search();
+      search = slabs.search(slabs.slaves(), slabs.facets());
       search->candidates();
       state.ResumeTiming();
     }
@@ -272,9 +268,9 @@ BENCHMARK(refresh)
 /// Forces of eroding_surface on the candidates; items are slaves that have any. With a gap of 0, half of those between
 /// the slabs are pushed; with one of 0.2 mm, none.
 void contact_forces(benchmark::State& state) {
-  TwoSlabs slabs(static_cast<int>(state.range(0)), 0.1 * static_cast<double>(state.range(1)));
+  const TwoSlabs slabs(static_cast<int>(state.range(0)), 0.1 * static_cast<double>(state.range(1)));
   const NodeStore& nodes = slabs.model().nodes;
-  const auto search = slabs.search();
+  const auto search = slabs.search(slabs.slaves(), slabs.facets());
   const Candidates& found = search->candidates();
   std::vector<double> position, velocity, mass;
   for (const std::int32_t n : found.node_local) {

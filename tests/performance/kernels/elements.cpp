@@ -61,6 +61,7 @@ class SwayingBlock {
     }
     for (std::size_t i = 0; i < nodes.position.size(); ++i) nodes.position[i] += nodes.velocity[i] * step_.dt;
     std::fill(nodes.force.begin(), nodes.force.end(), 0);
+    ledger_.accounts = {};
     ++at_;
   }
   void add_forces() { trouble_ = add_internal_forces(model_, step_, *erosion_, ledger_).trouble; }
