@@ -271,22 +271,29 @@ struct CandidateSearch::Tables {
   }
   /// Pairs of all slaves with the late facets from the given one on.
   void find_new(std::size_t first) {
-    const std::span<const std::int32_t> fresh(late.begin() + static_cast<std::ptrdiff_t>(first), late.end());
+    FacetTree fresh, fresh_own;
     Box all, all_own;
-    for (const std::int32_t f : fresh) {
-      all.include(facets[f].box);
-      all_own.include(facets[f].own_box);
+    for (std::size_t k = first; k < late.size(); ++k) {
+      const ContactFacetRecord& f = facets[late[k]];
+      fresh.add(f.box);
+      fresh_own.add(f.own_box);
+      all.include(f.box);
+      all_own.include(f.own_box);
     }
+    fresh.finish();
+    fresh_own.finish();
     for (const SlaveCluster& cluster : clusters) {
-      if (!cluster.box.meets(all) && !cluster.own_box.meets(all_own)) continue;
-      const bool near = std::any_of(fresh.begin(), fresh.end(), [&](std::int32_t f) {
-        return cluster.box.meets(facets[f].box) || cluster.own_box.meets(facets[f].own_box);
-      });
-      if (!near) continue;
+      const bool others = cluster.box.meets(all), own = same_part && cluster.own_box.meets(all_own);
+      if (!others && !own) continue;
       for (const std::int32_t s : cluster.slaves) {
         const std::size_t before = found[s].size();
         bool marked = false;
-        find_late(static_cast<std::size_t>(s), first, marked);
+        const auto take = [&](bool of_own, std::size_t k) {
+          const std::int32_t f = late[first + k];
+          if ((facets[f].part == slaves[s].part) == of_own) meet(static_cast<std::size_t>(s), f, of_own, marked);
+        };
+        if (others) fresh.each(slaves[s].box, [&](std::size_t k) { take(false, k); });
+        if (own) fresh_own.each(slaves[s].own_box, [&](std::size_t k) { take(true, k); });
         if (found[s].size() != before) sort_by_id(found[s]);
       }
     }
@@ -300,7 +307,11 @@ struct CandidateSearch::Tables {
   }
   /// The number of a facet; the next free one where it is not here yet.
   std::size_t number_of_facet(std::int64_t id) {
-    while (facet_numbers.size() < ids.size()) facet_numbers.number(ids[facet_numbers.size()], 0);
+    while (facet_numbers.size() < ids.size()) {
+      const std::size_t next = facet_numbers.size();
+      const auto number = static_cast<std::size_t>(facet_numbers.number(ids[next], 0));
+      KERF_ASSERT(number == next, "every facet is listed once");
+    }
     return static_cast<std::size_t>(facet_numbers.find(id, static_cast<std::int32_t>(ids.size())));
   }
   /// Takes out the facets of some elements; their corners are added to `affected`.
@@ -362,9 +373,12 @@ struct CandidateSearch::Tables {
   /// The row of one slave; none where it has no candidates.
   void list_row(std::size_t s) {
     const std::size_t before = lists.candidate.size();
+    lists.candidate.resize(before + found[s].size());
+    std::size_t end = before;
     for (const std::int32_t f : found[s])
-      if (role[f] != 0) lists.candidate.push_back(list_facet(f));
-    if (lists.candidate.size() == before) return;
+      if (role[f] != 0) lists.candidate[end++] = list_facet(f);
+    lists.candidate.resize(end);
+    if (end == before) return;
     const ContactNodeRecord& slave = slaves[s];
     lists.slave.push_back(list_node(number[s], slave.id, slave.owner, slave.local, slave.part));
     for (const std::int32_t f : around.of(number[s])) lists.around.push_back(list_facet(f));

@@ -477,7 +477,7 @@ void ContactEngine::add_forces(Model& model, const Step& step, Timers& timers) {
     const bool due = !valid_ || step.cycle - last_search_ >= law_.search_interval;
     strays_.clear();
     if (!due) find_strays(model, step);
-    const bool many = strays_.size() * 20 > tracked_.size();
+    const bool many = strays_.size() * 100 > tracked_.size();
     const std::int64_t need = greatest(model.comm, std::int64_t{due || many ? 2 : strays_.empty() ? 0 : 1});
     if (need == 2 || (need == 1 && !refresh(model, step))) search(model, step);
   }

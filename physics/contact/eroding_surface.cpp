@@ -60,25 +60,31 @@ struct Touch {
 };
 
 Touch touch_facet(const FacetGeometry& g, Vec3 s) {
+  Closest closest[4];
+  Vec3 way[4];  // from the closest point to the node
+  double square[4], least = 1e300;
+  for (int k = 0; k < 4; ++k) {
+    const Closest& c = closest[k] = closest_on_triangle(s, g.x[k], g.x[(k + 1) % 4], g.centre);
+    way[k] = s - (g.x[k] * c.a + g.x[(k + 1) % 4] * c.b + g.centre * c.c);
+    square[k] = dot(way[k], way[k]);
+    least = min_of(least, square[k]);
+  }
+  // Two triangles share the closest point on an edge: the one that faces the node decides the side.
+  const double limit = std::sqrt(least) + 1e-9 * g.size;
   Touch best;
   double best_alignment = -1.0;
   for (int k = 0; k < 4; ++k) {
+    if (!(square[k] <= limit * limit)) continue;
     const int next = (k + 1) % 4;
-    const Closest c = closest_on_triangle(s, g.x[k], g.x[next], g.centre);
-    const Vec3 point = g.x[k] * c.a + g.x[next] * c.b + g.centre * c.c;
-    const Vec3 d = s - point;
-    const double distance = norm(d);
     const Vec3 twice = cross(g.x[next] - g.x[k], g.centre - g.x[k]);
     const double length = norm(twice);
     if (!(length > 0.0)) continue;
     const Vec3 normal = twice * (1.0 / length);
-    const double side = distance > 0.0 ? dot(d, normal) / distance : 0.0;
-    // Two triangles share the closest point on an edge: the one that faces the node decides the side.
-    const double tolerance = 1e-9 * g.size;
-    const bool nearer = distance < best.distance - tolerance;
-    const bool same = !nearer && distance <= best.distance + tolerance;
-    if (!nearer && !(same && std::fabs(side) > best_alignment)) continue;
+    const double distance = std::sqrt(square[k]);
+    const double side = distance > 0.0 ? dot(way[k], normal) / distance : 0.0;
+    if (!(std::fabs(side) > best_alignment)) continue;
     best_alignment = std::fabs(side);
+    const Closest& c = closest[k];
     best = {};
     best.weights[k] = c.a + 0.25 * c.c;
     best.weights[next] = c.b + 0.25 * c.c;
@@ -86,7 +92,7 @@ Touch touch_facet(const FacetGeometry& g, Vec3 s) {
     best.weights[(k + 3) % 4] = 0.25 * c.c;
     best.distance = distance;
     best.side = side;
-    best.direction = c.inside || !(distance > 0.0) ? normal : d * ((side < 0.0 ? -1.0 : 1.0) / distance);
+    best.direction = c.inside || !(distance > 0.0) ? normal : way[k] * ((side < 0.0 ? -1.0 : 1.0) / distance);
   }
   return best;
 }

@@ -22,7 +22,7 @@ struct Intruder {
 };
 
 /// The contact surface of a whole model as a law sees it, with all facets as candidates of every slave, but for
-/// what the documentation of find_candidates excludes: roles that do not match, and within one part facets whose
+/// what the documentation of CandidateSearch excludes: roles that do not match, and within one part facets whose
 /// element shares a node with the facets round the slave.
 class BruteContact {
  public:
