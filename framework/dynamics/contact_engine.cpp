@@ -63,7 +63,7 @@ void ContactEngine::drop_mirrored(const Model& model, std::vector<ExteriorFacet>
 /// from a frame.
 Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const {
   const Vec3 here = position - frame * (time - search_time_);
-  Vec3 way = (velocity - frame) * (search_time_ + horizon_ - time);
+  Vec3 way = (velocity - frame) * std::max(search_time_ + horizon_ - time, 0.0);  // steps may have grown
   // Bounded: one racing node must not make boxes that hold the whole model. It will call for a search sooner.
   const double length = norm(way), most = farthest * slack_;
   if (length > most) way = way * (most / length);
@@ -73,7 +73,7 @@ Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double 
 /// Foresees where a node may be until the next search.
 void ContactEngine::foresee(const Model& model, Tracked& t, double time) const {
   const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node), own = part_velocities_[t.part];
-  const double left = search_time_ + horizon_ - time;
+  const double left = std::max(search_time_ + horizon_ - time, 0.0);
   const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
   t.box = whereabouts(x, v, drift_velocity_, margin, time);
   t.own_box = whereabouts(x, v, own, margin, time);

@@ -57,6 +57,13 @@ struct Touch {
   Vec3 direction;  // outward unit vector from the node to the point if below, from the point if above
   double distance = 1e300;  // [m]
   double side = 0.0;  // cosine between (node - point) and the normal there; negative below
+  double lowest = 1.0, highest = -1.0;  // of all triangles that hold the point
+
+  /// Takes in the sides of another facet that holds the same point.
+  void join(const Touch& other) {
+    lowest = min_of(lowest, other.lowest);
+    highest = max_of(highest, other.highest);
+  }
 };
 
 Touch touch_facet(const FacetGeometry& g, Vec3 s) {
@@ -72,7 +79,7 @@ Touch touch_facet(const FacetGeometry& g, Vec3 s) {
   // Two triangles share the closest point on an edge: the one that faces the node decides the side.
   const double limit = std::sqrt(least) + 1e-9 * g.size;
   Touch best;
-  double best_alignment = -1.0;
+  double best_alignment = -1.0, lowest = 1.0, highest = -1.0;
   for (int k = 0; k < 4; ++k) {
     if (!(square[k] <= limit * limit)) continue;
     const int next = (k + 1) % 4;
@@ -82,6 +89,8 @@ Touch touch_facet(const FacetGeometry& g, Vec3 s) {
     const Vec3 normal = twice * (1.0 / length);
     const double distance = std::sqrt(square[k]);
     const double side = distance > 0.0 ? dot(way[k], normal) / distance : 0.0;
+    lowest = min_of(lowest, side);
+    highest = max_of(highest, side);
     if (!(std::fabs(side) > best_alignment)) continue;
     best_alignment = std::fabs(side);
     const Closest& c = closest[k];
@@ -94,6 +103,8 @@ Touch touch_facet(const FacetGeometry& g, Vec3 s) {
     best.side = side;
     best.direction = c.inside || !(distance > 0.0) ? normal : way[k] * ((side < 0.0 ? -1.0 : 1.0) / distance);
   }
+  best.lowest = lowest;
+  best.highest = highest;
   return best;
 }
 
@@ -269,15 +280,20 @@ struct ErodingSurface final : Contact {
     const Vec3 s = view.x(node);
     const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
     near.clear();
-    double least = 1e300;
+    double least = 1e300, least_ignored = 1e300;  // of facets that are looked at, and of the others [m2]
     int first = -1;  // the one that is probably closest: most of the others need not be looked at after it
     for (const std::int32_t f : facets) {
       const Slab& g = measured.slab[f];
       const double within = reach(g.size, 0.0), square = g.least_square(s);
-      if (square > within * within) continue;
-      // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
-      if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(s - g.centre, g.normal)) < flush * g.size)
+      if (square > within * within) {
+        least_ignored = min_of(least_ignored, square);
         continue;
+      }
+      // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
+      if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(s - g.centre, g.normal)) < flush * g.size) {
+        least_ignored = min_of(least_ignored, square);
+        continue;
+      }
       near.push_back({f, square});
       if (square < least) first = f;
       least = min_of(least, square);
@@ -298,8 +314,11 @@ struct ErodingSurface final : Contact {
       const double tolerance = 1e-9 * max_of(g.size, found_size);
       const bool nearer = found < 0 || t.distance < best.distance - tolerance;
       const bool same = !nearer && t.distance <= best.distance + tolerance;
+      if (same) best.join(t);
       if (!nearer && !(same && std::fabs(t.side) > std::fabs(best.side))) continue;
+      const Touch before = best;
       best = t;
+      if (same) best.join(before);
       found = f;
       found_size = g.size;
     }
@@ -310,7 +329,9 @@ struct ErodingSurface final : Contact {
     // straight below a facet that faces the node is believed to be inside.
     if (same_part) return best.side < straight_below && faces(own, g.normal) ? found : -1;
     if (std::fabs(best.side) > 1.0 - 1e-9) return best.side < 0.0 ? found : -1;
-    // Below an edge or a corner the surface as a whole decides.
+    // Below an edge or a corner the surface as a whole decides; mostly all facets that hold the point agree.
+    const double around = best.distance + 1e-6 * found_size;
+    if (best.lowest >= 0.0 && least_ignored > around * around) return -1;
     Vec3 point;
     for (int k = 0; k < 4; ++k) point = point + g.x[k] * best.weights[k];
     const Vec3 away = s - point;

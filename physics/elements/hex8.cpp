@@ -303,6 +303,7 @@ struct Hex8 final : Element {
     Lanes largest_force{};
     LanesInt hourglass_energy{};
     for (int block = 0; block < w.n_blocks; ++block) {
+      fetch_ahead(w, block);
       const Lanes before = largest_force;
       update_block<stiffness>(w, block, largest_force, hourglass_energy);
       if (mask_of(~(largest_force < ForceScale::limit)) != 0) {
@@ -311,6 +312,33 @@ struct Hex8 final : Element {
       }
     }
     for (int l = 0; l < lane_width; ++l) w.hourglass_energy += hourglass_energy[l];
+  }
+
+  /// Asks for what the next blocks will read: a part has more arrays than the hardware can foresee, and nodes are
+  /// known by their numbers alone. Worth half of the speed of large models.
+  [[gnu::always_inline]] static void fetch_ahead(const ElementWork& w, int block) {
+    constexpr int fields_ahead = 3, nodes_ahead = 2;  // blocks; 2 to 8 and 1 to 4 are much the same
+    const std::int64_t far = std::min(block + fields_ahead, w.n_blocks - 1);
+    const auto fetch = [far](const double* array, int n_components) {
+      for (int c = 0; c < n_components; ++c) __builtin_prefetch(array + (far * n_components + c) * lane_width);
+    };
+    for (int line = 0; line < 4; ++line) __builtin_prefetch(w.nodes + 64 * far + 16 * line);
+    for (const double* array :
+         {w.mass, static_cast<const double*>(w.volume), static_cast<const double*>(w.pressure),
+          static_cast<const double*>(w.internal_energy), static_cast<const double*>(w.viscous_energy)})
+      fetch(array, 1);
+    fetch(w.deviator, 6);
+    fetch(w.element_state, w.n_element_state);
+    fetch(w.material_state, w.n_material_state);
+    fetch(w.eos_state, w.n_eos_state);
+    // Along the curve that elements stand on, the corner farthest from the origin is the newest one.
+    const std::int64_t near = std::min(block + nodes_ahead, w.n_blocks - 1);
+    for (int l = 0; l < lane_width; ++l) {
+      const std::int64_t newest = 4 * static_cast<std::int64_t>(w.nodes[64 * near + 6 * lane_width + l]);
+      __builtin_prefetch(w.position + newest);
+      __builtin_prefetch(w.velocity + newest);
+      __builtin_prefetch(w.force + newest, 1);
+    }
   }
 
   template <bool stiffness>
