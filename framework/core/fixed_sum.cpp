@@ -24,7 +24,7 @@ std::int64_t largest_bits(std::span<const double> values) {
 /// Units that terms no larger than a bound are split into.
 struct Units {
   explicit Units(double bound) {
-    const double top = power_of_two_above(bound);
+    const double top = std::max(power_of_two_above(bound), 0x1p-900);  // whose 2^-72 still has an inverse
     high = top * 0x1p-36;
     low = top * 0x1p-72;
   }
@@ -63,6 +63,9 @@ void split(Wide sum, std::int64_t* limbs) {
 
 Wide join(const std::int64_t* limbs) { return (static_cast<Wide>(limbs[2]) * limb + limbs[1]) * limb + limbs[0]; }
 
+/// Whether sums of terms of a size can be formed; NaN and infinity are larger than any number.
+bool summable(std::int64_t largest) { return std::bit_cast<double>(largest) <= 0x1p1000; }
+
 }  // namespace
 
 std::vector<double> order_free_sums(MPI_Comm comm, const std::vector<std::span<const double>>& lists) {
@@ -74,12 +77,12 @@ std::vector<double> order_free_sums(MPI_Comm comm, const std::vector<std::span<c
   std::vector<std::int64_t> limbs(3 * lists.size(), 0);
   for (std::size_t k = 0; k < lists.size(); ++k) {
     units.emplace_back(std::bit_cast<double>(largest[k]));
-    if (std::isfinite(std::bit_cast<double>(largest[k]))) split(exact_sum(lists[k], units[k]), &limbs[3 * k]);
+    if (summable(largest[k])) split(exact_sum(lists[k], units[k]), &limbs[3 * k]);
   }
   MPI_Allreduce(MPI_IN_PLACE, limbs.data(), 3 * n, MPI_INT64_T, MPI_SUM, comm);
   std::vector<double> sums;
   for (std::size_t k = 0; k < lists.size(); ++k) {
-    const bool finite = std::isfinite(std::bit_cast<double>(largest[k]));
+    const bool finite = summable(largest[k]);
     const auto exact = static_cast<long double>(join(&limbs[3 * k]));
     sums.push_back(finite ? static_cast<double>(exact * static_cast<long double>(units[k].low))
                           : std::numeric_limits<double>::quiet_NaN());

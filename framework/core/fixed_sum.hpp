@@ -22,7 +22,7 @@ inline double power_of_two_above(double value) {
 }
 
 /// Order-free sums over all terms of all ranks, of several lists at once: exact but for terms below 2^-72 of the
-/// largest one of the list. NaN where any term of a list is not finite. Collective.
+/// largest one of the list, and of 2^-972. NaN where any term of a list is not finite, or above 2^1000. Collective.
 std::vector<double> order_free_sums(MPI_Comm comm, const std::vector<std::span<const double>>& lists);
 
 /// The same of one list. Collective.

@@ -257,16 +257,16 @@ struct CandidateSearch::Tables {
       tree.each(own ? slaves[s].own_box : slaves[s].box,
                 [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
     }
-    find_late(s, 0, marked);
+    find_late(s, marked);
     sort_by_id(found[s]);
   }
-  /// Pairs of a slave with the late facets from the given one on.
-  void find_late(std::size_t s, std::size_t first, bool& marked) {
-    for (std::size_t k = first; k < late.size(); ++k) {
-      const ContactFacetRecord& f = facets[late[k]];
+  /// Pairs of a slave with the late facets.
+  void find_late(std::size_t s, bool& marked) {
+    for (const std::int32_t number_of_late : late) {
+      const ContactFacetRecord& f = facets[number_of_late];
       const bool own = f.part == slaves[s].part;
       if (own ? same_part && f.own_box.meets(slaves[s].own_box) : f.box.meets(slaves[s].box))
-        meet(s, late[k], own, marked);
+        meet(s, number_of_late, own, marked);
     }
   }
   /// Pairs of all slaves with the late facets from the given one on.
@@ -455,6 +455,12 @@ void CandidateSearch::refresh(const std::vector<ContactFacetRecord>& facets,
   }
   t.find_new(first_new);
   t.find_round(affected, static_cast<std::int32_t>(t.slaves.size()));
+}
+
+bool CandidateSearch::stale() const {
+  // Every slave that is looked up again compares itself with all late facets.
+  constexpr std::size_t few = 128, share = 32;
+  return tables_->late.size() > std::max(few, tables_->facets.size() / share);
 }
 
 const Candidates& CandidateSearch::candidates() {

@@ -43,6 +43,8 @@ class CandidateSearch {
   /// to for the first time comes last, and what is not referred to any more stays. Where records come from several
   /// ranks and new nodes had to be listed, so are those on the far side of all facets' elements.
   const Candidates& candidates();
+  /// Whether so many facets came or grew since the search that another one costs less than going on.
+  bool stale() const;
 
  private:
   struct Tables;

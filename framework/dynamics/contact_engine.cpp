@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/assert.hpp"
 #include "dynamics/element_loop.hpp"
 #include "dynamics/setup.hpp"
 #include "parallel/communicator.hpp"
@@ -15,7 +16,8 @@ namespace kerf {
 
 namespace {
 
-constexpr double farthest = 125.0;  // how far a search looks ahead at most, in slacks: four of the longest edges
+constexpr double farthest = 31.0;  // how far a search looks ahead at most, in slacks: about the longest edge
+constexpr double beyond = 1e15;  // what no length of a sound model reaches [m]
 constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
 constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
 constexpr double unsteady = 0.25;  // share of a node's motion within its part that it may change by unforeseen
@@ -86,7 +88,9 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   t.node = node;
   t.part = model.nodes.part[node];
   foresee(model, t, time);
-  t.home = {t.box.centre(0), t.box.centre(1), t.box.centre(2)};
+  // A run that has become unstable must come as far as to the check that says so.
+  const Vec3 centre{t.box.centre(0), t.box.centre(1), t.box.centre(2)};
+  if (norm(centre) < beyond) t.home = centre;
   track_of_[node] = static_cast<std::int32_t>(tracked_.size());
   tracked_.push_back(t);
   return true;
@@ -164,13 +168,16 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
   Vec3 x[4];
   for (int k = 0; k < 4; ++k) {
+    KERF_ASSERT(track_of_[r.locals[k]] >= 0, "the corners of a facet that takes part are tracked");
     const Tracked& t = tracked_[track_of_[r.locals[k]]];
     x[k] = nodes.x(r.locals[k]);
     r.box.include(t.box);
     r.own_box.include(t.own_box);
   }
   const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
-  const double reach = law_.reach(longest_edge(r.locals), r.volume / std::max(area, 1e-300));
+  // Facets may shrink, which makes elements thicker.
+  const double edge = longest_edge(r.locals), thickness = r.volume / std::max(area, 1e-300);
+  const double reach = law_.reach(edge, std::max(edge, thickness));
   r.box.inflate(reach);
   r.own_box.inflate(reach);
   return true;
@@ -250,7 +257,7 @@ double ContactEngine::reach_of(const Model& model, const std::vector<ContactNode
     for (int d = 0; d < 3; ++d)
       for (const Box* box : {&s.box, &s.own_box})
         reach = std::max({reach, box->high[d] - s.home[d], s.home[d] - box->low[d]});
-  return greatest(model.comm, reach);
+  return greatest(model.comm, std::min(reach, beyond));
 }
 
 /// Replaces the records that this rank made by those that concern its box of space.
@@ -474,10 +481,10 @@ ContactView ContactEngine::view(double dt) const {
 void ContactEngine::add_forces(Model& model, const Step& step, Timers& timers) {
   {
     const auto scope = timers.measure("contact_search");
-    const bool due = !valid_ || step.cycle - last_search_ >= law_.search_interval;
+    const bool due = !valid_ || step.cycle - last_search_ >= law_.search_interval || search_->stale();
     strays_.clear();
     if (!due) find_strays(model, step);
-    const bool many = strays_.size() * 100 > tracked_.size();
+    const bool many = strays_.size() > std::max(tracked_.size() / 100, std::size_t{64});
     const std::int64_t need = greatest(model.comm, std::int64_t{due || many ? 2 : strays_.empty() ? 0 : 1});
     if (need == 2 || (need == 1 && !refresh(model, step))) search(model, step);
   }

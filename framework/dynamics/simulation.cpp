@@ -177,13 +177,20 @@ void Simulation::erode(const Step& step) {
   if (step.cycle % 100 == 0 && erosion_->drop_distant_nodes(model_, ledger_))
     for (auto& c : contacts_) c->invalidate();
   if ((reduction_.flags & flag_failed) == 0) return;
-  const auto scope = timers_.measure("erosion");
-  eroded_now_ = erosion_->erode(model_, step, ledger_);
-  erosion_->update_free_nodes(model_);
   std::vector<std::int64_t> dead;
-  for (const ErosionRecord& r : eroded_now_) dead.push_back(r.element);
-  const std::vector<ExteriorFacet> opened = model_.surface.opened_by(model_, erosion_->retired());
-  for (auto& c : contacts_) c->surface_changed(model_, step.end(), dead, opened, erosion_->retired_nodes());
+  std::vector<ExteriorFacet> opened;
+  {
+    const auto scope = timers_.measure("erosion");
+    eroded_now_ = erosion_->erode(model_, step, ledger_);
+    erosion_->update_free_nodes(model_);
+    for (const ErosionRecord& r : eroded_now_) dead.push_back(r.element);
+    opened = model_.surface.opened_by(model_, erosion_->retired());
+  }
+  {
+    const auto scope = timers_.measure("contact_search");
+    for (auto& c : contacts_) c->surface_changed(model_, step.end(), dead, opened, erosion_->retired_nodes());
+  }
+  const auto scope = timers_.measure("erosion");
   erosion_->compact(model_);
 }
 

@@ -58,7 +58,7 @@ void take_on_root(const Model& model, const Each& each, const Take& take) {
   }
 }
 
-/// All live elements and all nodes on rank 0, sorted by id. Collective.
+/// All live elements and all nodes on rank 0, sorted by id; nodes that nobody holds have id -1. Collective.
 MeasureModel gather_model(const Model& model) {
   MeasureModel m;
   for (const PartModel& p : model.parts) {

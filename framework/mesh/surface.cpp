@@ -33,6 +33,7 @@ void Surface::build(const Model& model) {
   remote_faces_.clear();
   remote_died_.clear();
   known_ = Known::nothing;
+  exterior_.clear();
   plan_.reset();
   std::vector<std::int64_t> open;
   match_local(model, open);
@@ -181,10 +182,9 @@ void Surface::compact(const Model& model, const std::vector<std::vector<std::int
   for (RemoteFace& f : remote_faces_) f.element = number[f.element];
   neighbour_ = std::move(kept);
   offset_ = std::move(offset);
-  std::erase_if(exterior_, [&](ExteriorFacet& f) {
-    f.slot = moved[f.part][f.slot];
-    return f.slot < 0;
-  });
+  if (known_ != Known::all) exterior_.clear();
+  for (ExteriorFacet& f : exterior_) f.slot = moved[f.part][f.slot];
+  std::erase_if(exterior_, [](const ExteriorFacet& f) { return f.slot < 0; });
   n_sorted_ = 0;
   if (plan_) {
     // The plan refers to old element numbers of the boundary elements: dead ones stay in it with flag 0.

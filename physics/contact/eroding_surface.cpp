@@ -211,8 +211,8 @@ struct ErodingSurface final : Contact {
       const double beside = across > radius * radius ? std::sqrt(across) - radius : 0.0;
       return (over * over + beside * beside) * (1.0 - 1e-6);  // far more than round-off
     }
-    /// False only if the facet cannot push a node at `s`: a way to the closest point that is not straight leads
-    /// sideways by the depth at most.
+    /// Whether the facet is taken to be able to push a node at `s`. A way to the closest point that is not straight
+    /// leads sideways by the depth at most. Below a facet that is folded is below its mean plane, here.
     bool may_push(Vec3 s) const {
       const Vec3 d = s - centre;
       const double height = dot(d, normal), across = radius + deepest;
@@ -259,6 +259,8 @@ struct ErodingSurface final : Contact {
       // Most slaves are near no facet of a body that could push them, and cost no more than this.
       const bool any = std::any_of(from, to, [&](std::int32_t f) {
         if (!facets.slab[f].may_push(s)) return false;
+        const double within = reach(facets.slab[f].size, 0.0);
+        if (facets.slab[f].least_square(s) > within * within) return false;
         if (!has_own) own = own_normal(view, i);
         has_own = true;
         return !same_part || faces(own, facets.slab[f].normal);
@@ -280,18 +282,15 @@ struct ErodingSurface final : Contact {
     const Vec3 s = view.x(node);
     const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
     near.clear();
-    double least = 1e300, least_ignored = 1e300;  // of facets that are looked at, and of the others [m2]
+    double least = 1e300, least_flush = 1e300;  // of facets that are looked at, and of those left out as flush [m2]
     int first = -1;  // the one that is probably closest: most of the others need not be looked at after it
     for (const std::int32_t f : facets) {
       const Slab& g = measured.slab[f];
       const double within = reach(g.size, 0.0), square = g.least_square(s);
-      if (square > within * within) {
-        least_ignored = min_of(least_ignored, square);
-        continue;
-      }
+      if (square > within * within) continue;
       // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
       if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(s - g.centre, g.normal)) < flush * g.size) {
-        least_ignored = min_of(least_ignored, square);
+        least_flush = min_of(least_flush, square);
         continue;
       }
       near.push_back({f, square});
@@ -331,11 +330,11 @@ struct ErodingSurface final : Contact {
     if (std::fabs(best.side) > 1.0 - 1e-9) return best.side < 0.0 ? found : -1;
     // Below an edge or a corner the surface as a whole decides; mostly all facets that hold the point agree.
     const double around = best.distance + 1e-6 * found_size;
-    if (best.lowest >= 0.0 && least_ignored > around * around) return -1;
+    if (best.lowest >= 0.0 && least_flush > around * around) return -1;
     Vec3 point;
     for (int k = 0; k < 4; ++k) point = point + g.x[k] * best.weights[k];
     const Vec3 away = s - point;
-    if (!(dot(away, normal_at(facets, measured, point)) < 0.0)) return -1;
+    if (!(dot(away, normal_at(facets, measured, point, best.distance)) < 0.0)) return -1;
     // A node on the edge itself is off it by round-off alone: length and direction must be those of one vector.
     best.distance = norm(away);
     if (!(best.distance > 0.0)) return -1;
@@ -346,10 +345,12 @@ struct ErodingSurface final : Contact {
   /// Sum of the normals of all triangles that hold a point of a body's surface, each weighted by the angle that it
   /// takes up there: a point near an edge or a corner is inside just where it lies below this normal (Baerentzen &
   /// Aanaes, "Signed distance computation using the angle weighted pseudonormal", IEEE TVCG 11 (2005) 243-253).
-  static Vec3 normal_at(std::span<const std::int32_t> facets, const Measured& measured, Vec3 point) {
+  Vec3 normal_at(std::span<const std::int32_t> facets, const Measured& measured, Vec3 point, double distance) const {
     Vec3 sum;
     for (const std::int32_t f : facets) {
       const FacetGeometry& g = measured.geometry[f];
+      // Whether a facet that is out of its own reach is listed is a matter of chance.
+      if (distance > reach(g.size, g.thickness)) continue;
       const double tolerance = 1e-7 * g.size;
       const Vec3 d = point - g.centre;
       if (!(dot(d, d) < 2.0 * g.size * g.size)) continue;

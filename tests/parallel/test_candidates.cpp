@@ -308,6 +308,39 @@ TEST(CandidateSearch, misses_no_pair_when_nodes_stray) {
     }
 }
 
+TEST(CandidateSearch, misses_no_pair_when_nodes_stray_and_the_surface_changes) {
+  for (unsigned seed = 100; seed < 112; ++seed)
+    for (const bool same_part : {true, false}) {
+      RandomSurface surface(seed);
+      CandidateSearch search(surface.slaves, surface.facets, same_part, seed % 2 == 0 ? 0 : surface.n_nodes());
+      for (int round = 0; round < 10; ++round) {
+        if (surface.random()() % 2 == 0) {
+          std::vector<ContactFacetRecord> changed;
+          std::vector<ContactNodeRecord> strays;
+          for (int k = 0; k < 5; ++k) surface.displace(changed, strays);
+          search.refresh(changed, strays);
+        } else {
+          std::vector<std::int64_t> live = surface.live_elements(), dead;
+          std::vector<ContactFacetRecord> opened;
+          std::vector<ContactNodeRecord> joined;
+          std::shuffle(live.begin(), live.end(), surface.random());
+          for (int k = 0; k < 3; ++k) {
+            dead.push_back(live[static_cast<std::size_t>(k)]);
+            surface.kill(dead.back(), opened, joined);
+          }
+          std::erase_if(opened, [&](const ContactFacetRecord& f) {
+            return std::find(dead.begin(), dead.end(), f.id / 8) != dead.end();
+          });
+          search.change(dead, opened, joined);
+        }
+        const std::set<Pair> found = pairs_of(search.candidates()), needed = all_pairs(surface, same_part);
+        ASSERT_TRUE(std::includes(found.begin(), found.end(), needed.begin(), needed.end()))
+            << "seed " << seed << ", round " << round;
+        expect_well_formed(surface, search.candidates());
+      }
+    }
+}
+
 TEST(CandidateSearch, finds_nothing_where_there_is_nothing) {
   const RandomSurface surface(1);
   EXPECT_TRUE(CandidateSearch({}, surface.facets, true, 0).candidates().slave.empty());

@@ -69,6 +69,14 @@ TEST(OrderFreeSum, sums_several_lists_at_once) {
   EXPECT_EQ(sums[2], 1e300);
 }
 
+TEST(OrderFreeSum, holds_at_the_ends_of_the_range) {
+  const std::vector<double> tiny = {1e-280, 1e-280}, huge = {1e300, 1e300}, excessive = {1.7e308, 1.7e308};
+  // The unit of 2^-972 is 2.5e-13 of a term.
+  EXPECT_NEAR(order_free_sum(MPI_COMM_SELF, tiny) * 1e280, 2.0, 1e-12);
+  EXPECT_EQ(order_free_sum(MPI_COMM_SELF, huge), 2e300);
+  EXPECT_TRUE(std::isnan(order_free_sum(MPI_COMM_SELF, excessive)));
+}
+
 TEST(OrderFreeSum, is_no_number_where_a_term_is_none) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const std::vector<double> bad = {1.0, nan}, worse = {-infinity, 2.0}, fine = {3.0};

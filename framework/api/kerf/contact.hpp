@@ -84,8 +84,8 @@ struct ContactRequest {
 class Contact : public Plugin {
  public:
   virtual ContactRequest request() const = 0;
-  /// Distance from a facet within which a node must be a candidate, given the facet's longest edge and the
-  /// thickness V/A of its element [m]. What nodes move until the next search comes on top.
+  /// Distance from a facet within which a node must be a candidate, given upper bounds of the facet's longest edge and
+  /// of the thickness V/A of its element until the next search [m]. What nodes move until then comes on top.
   virtual double reach(double longest_edge, double thickness) const = 0;
   virtual void add_forces(const ContactView& view, ContactForces& forces) const = 0;
   /// Largest depth of a node below the surface at the start, over the facet's thickness, and who it is; for the
