@@ -139,7 +139,8 @@ struct CandidateSearch::Tables {
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
   std::int32_t mark = 0;
   Candidates lists;  // as last asked for; nodes and facets keep their places
-  std::vector<std::int32_t> listed_node, listed_facet;  // per node number and facet: place in the lists, or -1
+  static constexpr std::int32_t gone = -2;
+  std::vector<std::int32_t> listed_node, listed_facet;  // per node number and facet: place in the lists, -1, or gone
   bool one_rank = false;
 
   Tables(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, bool same, std::size_t n_local)
@@ -320,6 +321,7 @@ struct CandidateSearch::Tables {
     std::sort(dead.begin(), dead.end());
     // Most facets are none of theirs, which a few bits of their ids tell.
     constexpr std::int64_t few = 4096;
+    listed_facet.resize(facets.size(), -1);
     std::vector<char> maybe(few, 0);
     for (const std::int64_t id : dead) maybe[static_cast<std::size_t>(id % few)] = 1;
     for (std::size_t f = 0; f < ids.size(); ++f) {
@@ -327,6 +329,7 @@ struct CandidateSearch::Tables {
       if (maybe[static_cast<std::size_t>(element % few)] == 0 || role[f] == 0) continue;
       if (!std::binary_search(dead.begin(), dead.end(), element)) continue;
       role[f] = 0;
+      listed_facet[f] = gone;
       for (int k = 0; k < 4; ++k) {
         around.remove(corners[f][k], static_cast<std::int32_t>(f));
         affected.push_back(corners[f][k]);
@@ -376,7 +379,7 @@ struct CandidateSearch::Tables {
     lists.candidate.resize(before + found[s].size());
     std::size_t end = before;
     for (const std::int32_t f : found[s])
-      if (role[f] != 0) lists.candidate[end++] = list_facet(f);
+      if (listed_facet[f] != gone) lists.candidate[end++] = list_facet(f);
     lists.candidate.resize(end);
     if (end == before) return;
     const ContactNodeRecord& slave = slaves[s];

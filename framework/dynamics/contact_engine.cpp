@@ -104,7 +104,10 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
   for (const Vec3 v : part_velocities_) way.push_back(v * since);
   const Vec3 drift = drift_velocity_ * since;
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
+    constexpr std::size_t ahead = 16;  // far enough for a node's position to arrive
     const Tracked& t = tracked_[k];
+    __builtin_prefetch(
+        &model.nodes.position[4 * static_cast<std::size_t>(tracked_[std::min(k + ahead, tracked_.size() - 1)].node)]);
     const Vec3 x = model.nodes.x(t.node);
     if (!(t.box.holds(x - drift) & t.own_box.holds(x - way[t.part]))) strays_.push_back(static_cast<std::int32_t>(k));
   }
