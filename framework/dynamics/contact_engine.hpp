@@ -74,6 +74,8 @@ class ContactEngine {
   void push(Model& model);
   ContactView view(double dt) const;
 
+  static constexpr double beyond = 1e15;  // what no length of a sound model reaches [m]
+
   const Contact& law_;
   ContactRequest request_;
   NodeGroup slaves_, masters_;

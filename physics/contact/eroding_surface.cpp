@@ -156,7 +156,7 @@ struct ErodingSurface final : Contact {
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {
     const Measured facets = measure(view);
-    std::vector<Near> near;
+    Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
       each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
         const int node = view.slave[i];
@@ -174,7 +174,7 @@ struct ErodingSurface final : Contact {
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
     const Measured facets = measure(view);
-    std::vector<Near> near;
+    Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
       double deepest = 0.0;
       each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
@@ -225,10 +225,15 @@ struct ErodingSurface final : Contact {
     std::vector<FacetGeometry> geometry;
   };
 
-  /// A facet that a node may be within reach of.
+  /// The facets of one body that a node may be within reach of.
   struct Near {
-    std::int32_t facet;
-    double least_square;  // [m2]
+    struct Facet {
+      std::int32_t facet;
+      double least_square;  // [m2]
+    };
+    std::vector<Facet> facets;
+    int first = -1;  // the facet that is probably closest
+    double least_flush = 1e300;  // of those that are left out as flush [m2]
   };
 
   Measured measure(const ContactView& view) const {
@@ -245,8 +250,7 @@ struct ErodingSurface final : Contact {
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.
   template <class Push>
-  void each_touch(const ContactView& view, int i, const Measured& facets, std::vector<Near>& near,
-                  const Push& push) const {
+  void each_touch(const ContactView& view, int i, const Measured& facets, Near& near, const Push& push) const {
     const Vec3 s = view.x(view.slave[i]);
     Vec3 own;
     bool has_own = false;
@@ -278,37 +282,67 @@ struct ErodingSurface final : Contact {
   /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
   /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
   int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets,
-             const Measured& measured, std::vector<Near>& near, Touch& best) const {
+             const Measured& measured, Near& near, Touch& best) const {
     const Vec3 s = view.x(node);
     const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
-    near.clear();
-    double least = 1e300, least_flush = 1e300;  // of facets that are looked at, and of those left out as flush [m2]
-    int first = -1;  // the one that is probably closest: most of the others need not be looked at after it
+    list_near(s, own, same_part, facets, measured, near);
+    const int found = closest_of(near, s, measured, best);
+    if (found < 0) return -1;
+    const FacetGeometry& g = measured.geometry[found];
+    if (best.distance > depth * min_of(g.thickness, g.size)) return -1;
+    // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
+    // straight below a facet that faces the node is believed to be inside.
+    if (same_part) return best.side < straight_below && faces(own, g.normal) ? found : -1;
+    if (std::fabs(best.side) > 1.0 - 1e-9) return best.side < 0.0 ? found : -1;
+    // Below an edge or a corner the surface as a whole decides; mostly all facets that hold the point agree.
+    const double around = best.distance + 1e-6 * g.size;
+    if (best.lowest >= 0.0 && near.least_flush > around * around) return -1;
+    Vec3 point;
+    for (int k = 0; k < 4; ++k) point = point + g.x[k] * best.weights[k];
+    const Vec3 away = s - point;
+    if (!(dot(away, normal_at(facets, measured, point, best.distance)) < 0.0)) return -1;
+    // A node on the edge itself is off it by round-off alone: length and direction must be those of one vector.
+    best.distance = norm(away);
+    if (!(best.distance > 0.0)) return -1;
+    best.direction = away * (-1.0 / best.distance);
+    return found;
+  }
+
+  /// Lists the facets of one body that the node may be within reach of, and which of them is probably closest.
+  void list_near(Vec3 s, Vec3 own, bool same_part, std::span<const std::int32_t> facets, const Measured& measured,
+                 Near& near) const {
+    near.facets.clear();
+    near.first = -1;
+    near.least_flush = 1e300;
+    double least = 1e300;
     for (const std::int32_t f : facets) {
       const Slab& g = measured.slab[f];
       const double within = reach(g.size, 0.0), square = g.least_square(s);
       if (square > within * within) continue;
       // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
       if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(s - g.centre, g.normal)) < flush * g.size) {
-        least_flush = min_of(least_flush, square);
+        near.least_flush = min_of(near.least_flush, square);
         continue;
       }
-      near.push_back({f, square});
-      if (square < least) first = f;
+      near.facets.push_back({f, square});
+      if (square < least) near.first = f;
       least = min_of(least, square);
     }
-    if (first < 0) return -1;
-    const FacetGeometry& likely = measured.geometry[first];
+  }
+
+  /// The closest of the near facets within its own reach, or -1. Most need not be looked at after the likely one.
+  int closest_of(const Near& near, Vec3 s, const Measured& measured, Touch& best) const {
+    if (near.first < 0) return -1;
+    const FacetGeometry& likely = measured.geometry[near.first];
     const Touch guess = touch_facet(likely, s);
     const bool counts = guess.distance <= reach(likely.size, likely.thickness);
     const double enough = counts ? guess.distance + 1e-6 * likely.size : 1e150;
     int found = -1;
     double found_size = 0.0;
-    for (const Near& n : near) {
-      if (n.least_square > enough * enough) continue;
-      const std::int32_t f = n.facet;
+    for (const auto& [f, least_square] : near.facets) {
+      if (least_square > enough * enough) continue;
       const FacetGeometry& g = measured.geometry[f];
-      const Touch t = f == first ? guess : touch_facet(g, s);
+      const Touch t = f == near.first ? guess : touch_facet(g, s);
       if (!(t.distance <= reach(g.size, g.thickness))) continue;
       const double tolerance = 1e-9 * max_of(g.size, found_size);
       const bool nearer = found < 0 || t.distance < best.distance - tolerance;
@@ -321,24 +355,6 @@ struct ErodingSurface final : Contact {
       found = f;
       found_size = g.size;
     }
-    if (found < 0) return -1;
-    const FacetGeometry& g = measured.geometry[found];
-    if (best.distance > depth * min_of(g.thickness, g.size)) return -1;
-    // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
-    // straight below a facet that faces the node is believed to be inside.
-    if (same_part) return best.side < straight_below && faces(own, g.normal) ? found : -1;
-    if (std::fabs(best.side) > 1.0 - 1e-9) return best.side < 0.0 ? found : -1;
-    // Below an edge or a corner the surface as a whole decides; mostly all facets that hold the point agree.
-    const double around = best.distance + 1e-6 * found_size;
-    if (best.lowest >= 0.0 && least_flush > around * around) return -1;
-    Vec3 point;
-    for (int k = 0; k < 4; ++k) point = point + g.x[k] * best.weights[k];
-    const Vec3 away = s - point;
-    if (!(dot(away, normal_at(facets, measured, point, best.distance)) < 0.0)) return -1;
-    // A node on the edge itself is off it by round-off alone: length and direction must be those of one vector.
-    best.distance = norm(away);
-    if (!(best.distance > 0.0)) return -1;
-    best.direction = away * (-1.0 / best.distance);
     return found;
   }
 

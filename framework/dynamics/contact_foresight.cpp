@@ -1,0 +1,82 @@
+// Where the nodes of one contact definition may be until its next search, and which have left that.
+#include <algorithm>
+#include <cmath>
+
+#include "dynamics/contact_engine.hpp"
+
+namespace kerf {
+
+namespace {
+
+constexpr double farthest = 31.0;  // how far a search looks ahead at most, in slacks: about the longest edge
+constexpr double unsteady = 0.25;  // share of a node's motion within its part that it may change by unforeseen
+
+}  // namespace
+
+/// The box of a node that is at a position at a time and may change its velocity somewhat, until the next search, seen
+/// from a frame.
+Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const {
+  const Vec3 here = position - frame * (time - search_time_);
+  Vec3 way = (velocity - frame) * std::max(search_time_ + horizon_ - time, 0.0);  // steps may have grown
+  // Bounded: one racing node must not make boxes that hold the whole model. It will call for a search sooner.
+  const double length = norm(way), most = farthest * slack_;
+  if (length > most) way = way * (most / length);
+  return Box::spanned(here, here + way, margin);
+}
+
+/// Foresees where a node may be until the next search.
+void ContactEngine::foresee(const Model& model, Tracked& t, double time) const {
+  const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node), own = part_velocities_[t.part];
+  const double left = std::max(search_time_ + horizon_ - time, 0.0);
+  const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
+  t.box = whereabouts(x, v, drift_velocity_, margin, time);
+  t.own_box = whereabouts(x, v, own, margin, time);
+}
+
+/// Adds a node to the tracked ones. False where it has no role in this contact.
+bool ContactEngine::track(const Model& model, int node, double time) {
+  if (!slaves_.holds(model.nodes, node) && !masters_.holds(model.nodes, node)) return false;
+  Tracked t;
+  t.node = node;
+  t.part = model.nodes.part[node];
+  foresee(model, t, time);
+  // A run that has become unstable must come as far as to the check that says so.
+  const Vec3 centre{t.box.centre(0), t.box.centre(1), t.box.centre(2)};
+  if (norm(centre) < beyond) t.home = centre;
+  track_of_[node] = static_cast<std::int32_t>(tracked_.size());
+  tracked_.push_back(t);
+  return true;
+}
+
+/// Lists the nodes that have left their boxes. Positions have been advanced already.
+void ContactEngine::find_strays(const Model& model, const Step& step) {
+  strays_.clear();
+  const double since = step.end() - search_time_;
+  std::vector<Vec3> way;
+  for (const Vec3 v : part_velocities_) way.push_back(v * since);
+  const Vec3 drift = drift_velocity_ * since;
+  for (std::size_t k = 0; k < tracked_.size(); ++k) {
+    constexpr std::size_t ahead = 16;  // far enough for a node's position to arrive
+    const Tracked& t = tracked_[k];
+    __builtin_prefetch(
+        &model.nodes.position[4 * static_cast<std::size_t>(tracked_[std::min(k + ahead, tracked_.size() - 1)].node)]);
+    const Vec3 x = model.nodes.x(t.node);
+    if (!(t.box.holds(x - drift) & t.own_box.holds(x - way[t.part]))) strays_.push_back(static_cast<std::int32_t>(k));
+  }
+}
+
+/// How long an edge of a facet may become until the next search, wherever its corners go.
+double ContactEngine::longest_edge(const std::int32_t* corners) const {
+  double longest = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    const Box& a = tracked_[track_of_[corners[k]]].own_box;
+    const Box& b = tracked_[track_of_[corners[(k + 1) % 4]]].own_box;
+    Vec3 most;
+    for (int d = 0; d < 3; ++d)
+      most[d] = std::max(static_cast<double>(a.high[d]) - b.low[d], static_cast<double>(b.high[d]) - a.low[d]);
+    longest = std::max(longest, dot(most, most));
+  }
+  return std::sqrt(longest);
+}
+
+}  // namespace kerf
