@@ -99,4 +99,23 @@ TEST(ErodingSurface, StaysBoundedForANodeOnTheSurface) {
   EXPECT_GT(pushed, 5000);
 }
 
+// Which facets beyond their reach are candidates is a matter of the search's margins, hence of chance.
+TEST(ErodingSurface, DoesNotCareForFacetsBeyondTheirReach) {
+  const auto law = make_law<Contact>("contact", "eroding_surface", "{damping: 0}");
+  Roof roof;
+  // A long facet that ends in a short one, which goes straight down. Both hold the closest point, on their edge; the
+  // node is within the reach of the long one, 0.6 of 4, and beyond that of the short one, 0.6 of 1.
+  const Vec3 corner[6] = {{-4, -0.5, 0}, {-4, 0.5, 0}, {0, -0.5, 0}, {0, 0.5, 0}, {0, -0.5, -1}, {0, 0.5, -1}};
+  for (int n = 0; n < 6; ++n)
+    for (int d = 0; d < 3; ++d) roof.position[4 * n + d] = Roof::ridge[d] + corner[n][d];
+  roof.volume = {16, 1};
+  const Vec3 node{0.8, 0.0, -0.3};
+  const auto with_both = roof.force_at(*law, node);
+  roof.first_candidate[1] = 1;  // of two candidates
+  const auto with_one = roof.force_at(*law, node);
+  ASSERT_TRUE(with_both && with_one);
+  for (int d = 0; d < 3; ++d) EXPECT_EQ((*with_both)[d], (*with_one)[d]);
+  EXPECT_GT(norm(*with_one), 0.0);
+}
+
 }  // namespace
