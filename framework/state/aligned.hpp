@@ -1,5 +1,5 @@
-// A vector on cache-line boundaries, for arrays that are read in whole vector registers. Large ones ask for large pages:
-// elements reach for nodes all over the memory, and would miss the table of small ones.
+// A vector on cache-line boundaries, for arrays that are read in whole vector registers. Large ones ask for large
+// pages: elements reach for nodes all over the memory, and would miss the table of small ones.
 #pragma once
 
 #include <sys/mman.h>
