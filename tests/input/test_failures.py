@@ -53,7 +53,7 @@ def pattern(message):
             .replace("TIME", r"time \S+ s, cycle \d+"))
 
 
-def frames(folder):
+def frames(folder, killed=False):
     """Times of the frames, after a look at every one with the reader that ParaView uses."""
     path = str(folder / "results.vtkhdf")
     reader = vtkHDFReader()
@@ -62,7 +62,10 @@ def frames(folder):
     reader.UpdateInformation()
     with h5py.File(path) as file:
         times = file["VTKHDF/Steps/Values"][()]
-        assert file["VTKHDF/Steps"].attrs["NSteps"] == len(times)
+        counted = file["VTKHDF/Steps"].attrs["NSteps"]
+        # A frame is written first and counted afterwards: a kill between the two loses it, and harms no other.
+        assert counted == len(times) or (killed and counted == len(times) - 1)
+        times = times[:counted]
     assert reader.GetNumberOfSteps() == len(times)
     for step in range(len(times)):
         reader.SetStep(step)
@@ -197,7 +200,7 @@ def test_a_killed_run_leaves_results_that_can_be_read(ranks, case):
         os.kill(pid, signal.SIGKILL)
     process.communicate(timeout=60)
     assert process.returncode == -signal.SIGKILL
-    times = frames(case / "out")
+    times = frames(case / "out", killed=True)
     assert len(times) >= 1 and times[0] == 0.0 and np.all(np.diff(times) > 0.0)
     assert len(columns(case / "out")) >= 2
     assert not (case / "out" / "summary.json").exists()
