@@ -34,7 +34,6 @@ struct Box {
     return (p.x >= low[0]) & (p.x <= high[0]) & (p.y >= low[1]) & (p.y <= high[1]) & (p.z >= low[2]) & (p.z <= high[2]);
   }
   double centre(int d) const { return 0.5 * (static_cast<double>(low[d]) + high[d]); }
-  double half(int d) const { return 0.5 * (static_cast<double>(high[d]) - low[d]); }
 
   /// Four units in the last place make up for the rounding of the conversion and of the subtraction.
   static float below(double x) {

@@ -73,8 +73,7 @@ std::vector<std::int32_t> ContactEngine::surface_nodes(const Model& model,
   }
   std::vector<std::int32_t> nodes;
   for (std::size_t i = 0; i < n; ++i)
-    if ((mark[i] | model.nodes.free[i]) != 0 && (mark[i] != 0 || takes_free(model, static_cast<int>(i))))
-      nodes.push_back(static_cast<std::int32_t>(i));
+    if (mark[i] != 0 || takes_free(model, static_cast<int>(i))) nodes.push_back(static_cast<std::int32_t>(i));
   return nodes;
 }
 
@@ -215,8 +214,10 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
   for (const auto& list : all_to_all(model.comm, facets_out)) facets.insert(facets.end(), list.begin(), list.end());
 }
 
-/// Makes room for the nodes of the candidates and, if there are new ones anywhere, a way to their owners. Collective.
+/// Asks for the candidates, and makes room for their nodes and, if there are new ones anywhere, a way to their owners.
+/// Collective.
 void ContactEngine::connect(const Model& model, bool fresh) {
+  found_ = &search_->candidates();
   const std::size_t n = found_->node_id.size();
   if (!fresh && greatest(model.comm, std::int64_t{n != mass_.size() ? 1 : 0}) == 0) return;
   position_.assign(4 * n, 0.0);
@@ -239,7 +240,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
   load_.force.assign(4 * load_.nodes.size(), 0);
 }
 
-/// Mean velocity of the exterior nodes of all parts and of each. Only the size of the allowances depends on it.
+/// Mean velocity of the exterior nodes of all parts and of each. Only the size of the boxes depends on it.
 void ContactEngine::choose_references(const Model& model, const std::vector<std::int32_t>& surface) {
   const std::size_t n = model.parts.size() + 1;
   std::vector<double> sums(4 * n, 0.0);
@@ -284,7 +285,6 @@ void ContactEngine::search(Model& model, const Step& step) {
   if (model.n_ranks() > 1) distribute(model, slaves, facets);
   search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,
                                               model.n_ranks() == 1 ? track_of_.size() : 0);
-  found_ = &search_->candidates();
   connect(model, true);
   if (plan_) count_candidates(model);
 }
@@ -302,9 +302,8 @@ bool ContactEngine::refresh(Model& model, const Step& step) {
   std::vector<ExteriorFacet> round;
   for (const ExteriorFacet& f : model.surface.exterior(model)) {
     const PartStore& store = *model.parts[f.part].store;
-    const auto& corner = hex_face[f.face];
-    if ((stray[store.node(f.slot, corner[0])] | stray[store.node(f.slot, corner[1])] |
-         stray[store.node(f.slot, corner[2])] | stray[store.node(f.slot, corner[3])]) != 0)
+    const auto& corners = hex_face[f.face];
+    if (std::any_of(corners, corners + 4, [&](int corner) { return stray[store.node(f.slot, corner)] != 0; }))
       round.push_back(f);
   }
   drop_mirrored(model, round);
@@ -314,7 +313,6 @@ bool ContactEngine::refresh(Model& model, const Step& step) {
     send(model, slaves, facets);
   }
   search_->refresh(facets, slaves);
-  found_ = &search_->candidates();
   connect(model, false);
   return true;
 }
@@ -324,27 +322,19 @@ bool ContactEngine::takes_free(const Model& model, int node) const {
 }
 
 void ContactEngine::surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
-                                    std::vector<ExteriorFacet> opened, const std::vector<std::int32_t>& nodes) {
+                                    std::vector<ExteriorFacet> opened) {
   // Nodes that leave contact are left to a search.
   if (!request_.free_nodes || model.input->checks.free_nodes != "keep") valid_ = false;
   if (!valid_) return;
   drop_mirrored(model, opened);
-  // Nodes that join, on all ranks that have a copy.
-  std::vector<std::int64_t> joins(static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies, 0);
-  for (const ExteriorFacet& f : opened)
-    for (const int corner : hex_face[f.face]) joins[model.parts[f.part].store->node(f.slot, corner)] = 1;
-  for (const std::int32_t n : nodes)
-    if (takes_free(model, n)) joins[n] = 1;
-  sum_over_copies(model, joins.data(), 1);
-  std::vector<ContactNodeRecord> slaves;
-  for (int i = 0; i < model.nodes.n(); ++i)
-    if (joins[i] != 0 && track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.back(), slaves);
+  std::vector<ContactNodeRecord> slaves;  // nodes that join
+  for (const std::int32_t i : surface_nodes(model, opened))
+    if (track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.back(), slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, opened);
   std::vector<std::int64_t> dead = dead_elements;
   if (model.n_ranks() > 1) {
     // Facets of the search went as far as the slaves of the search could reach: one that reaches farther needs another.
-    const double reach = slave_reach_;
-    if (reach_of(model, slaves) > reach) {
+    if (reach_of(model, slaves) > slave_reach_) {
       valid_ = false;
       return;
     }
@@ -354,7 +344,6 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
     for (const auto& list : all_to_all(model.comm, to_all)) dead.insert(dead.end(), list.begin(), list.end());
   }
   search_->change(dead, facets, slaves);
-  found_ = &search_->candidates();
   connect(model, false);
 }
 

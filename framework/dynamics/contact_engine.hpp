@@ -30,9 +30,9 @@ class ContactEngine {
   /// The same after nodes got other local numbers. Local.
   void renumbered(const Model& model);
   /// After elements were retired and before stores are compacted: takes their facets out and the opened ones in, or
-  /// leaves it to the next search. `nodes` are the local nodes of the retired elements. Collective.
+  /// leaves it to the next search. Collective.
   void surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
-                       std::vector<ExteriorFacet> opened, const std::vector<std::int32_t>& nodes);
+                       std::vector<ExteriorFacet> opened);
   /// Adds this definition's forces to the owners of the nodes, searching first if needed. Collective.
   void add_forces(Model& model, const Step& step, Timers& timers);
   /// Forces of the last call on nodes that this rank owns.

@@ -117,7 +117,6 @@ bool Erosion::any_failed() const {
 std::vector<ErosionRecord> Erosion::erode(Model& model, const Step& step, Ledger& ledger) {
   std::vector<ErosionRecord> records;
   retired_.clear();
-  retired_nodes_.clear();
   for (std::size_t p = 0; p < judges_.size(); ++p) {
     if (!judges_[p]) continue;
     PartModel& part = model.parts[p];
@@ -139,10 +138,7 @@ std::vector<ErosionRecord> Erosion::erode(Model& model, const Step& step, Ledger
       r.energy = total;
       records.push_back(std::move(r));
       retired_.push_back({static_cast<std::int32_t>(p), f.slot, 0});
-      for (int k = 0; k < 8; ++k) {
-        retired_nodes_.push_back(store.node(f.slot, k));
-        --model.live_elements[store.node(f.slot, k)];
-      }
+      for (int k = 0; k < 8; ++k) --model.live_elements[store.node(f.slot, k)];
       store.retire(f.slot, model.nodes.first_dummy());
     }
     judges_[p]->failures.clear();

@@ -52,9 +52,8 @@ class Erosion {
   bool any_failed() const;
   /// Retires the failed elements of this rank, adds them to the accounts and returns their records. Local.
   std::vector<ErosionRecord> erode(Model& model, const Step& step, Ledger& ledger);
-  /// What the last erode() retired on this rank: slots (the face means nothing) and local nodes, some twice.
+  /// Slots that the last erode() retired on this rank; the face means nothing.
   const std::vector<ExteriorFacet>& retired() const { return retired_; }
-  const std::vector<std::int32_t>& retired_nodes() const { return retired_nodes_; }
   /// After any rank eroded: marks nodes that no live element touches any more, and updates the surface. Collective.
   void update_free_nodes(Model& model);
   /// With `drop`: drops the free nodes. To be called after the kick, when the forces that they still got in the step
@@ -72,7 +71,6 @@ class Erosion {
   std::vector<std::unique_ptr<PartJudge>> judges_;
   bool may_have_free_nodes_ = true;  // that are to be dropped; a restart may have left some
   std::vector<ExteriorFacet> retired_;
-  std::vector<std::int32_t> retired_nodes_;
 };
 
 }  // namespace kerf

@@ -188,7 +188,7 @@ void Simulation::erode(const Step& step) {
   }
   {
     const auto scope = timers_.measure("contact_search");
-    for (auto& c : contacts_) c->surface_changed(model_, step.end(), dead, opened, erosion_->retired_nodes());
+    for (auto& c : contacts_) c->surface_changed(model_, step.end(), dead, opened);
   }
   const auto scope = timers_.measure("erosion");
   erosion_->compact(model_);

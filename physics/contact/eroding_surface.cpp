@@ -57,13 +57,7 @@ struct Touch {
   Vec3 direction;  // outward unit vector from the node to the point if below, from the point if above
   double distance = 1e300;  // [m]
   double side = 0.0;  // cosine between (node - point) and the normal there; negative below
-  double lowest = 1.0, highest = -1.0;  // of all triangles that hold the point
-
-  /// Takes in the sides of another facet that holds the same point.
-  void join(const Touch& other) {
-    lowest = min_of(lowest, other.lowest);
-    highest = max_of(highest, other.highest);
-  }
+  double lowest = 1.0;  // the least side of all triangles that hold the point
 };
 
 Touch touch_facet(const FacetGeometry& g, Vec3 s) {
@@ -79,7 +73,7 @@ Touch touch_facet(const FacetGeometry& g, Vec3 s) {
   // Two triangles share the closest point on an edge: the one that faces the node decides the side.
   const double limit = std::sqrt(least) + 1e-9 * g.size;
   Touch best;
-  double best_alignment = -1.0, lowest = 1.0, highest = -1.0;
+  double best_alignment = -1.0, lowest = 1.0;
   for (int k = 0; k < 4; ++k) {
     if (!(square[k] <= limit * limit)) continue;
     const int next = (k + 1) % 4;
@@ -90,7 +84,6 @@ Touch touch_facet(const FacetGeometry& g, Vec3 s) {
     const double distance = std::sqrt(square[k]);
     const double side = distance > 0.0 ? dot(way[k], normal) / distance : 0.0;
     lowest = min_of(lowest, side);
-    highest = max_of(highest, side);
     if (!(std::fabs(side) > best_alignment)) continue;
     best_alignment = std::fabs(side);
     const Closest& c = closest[k];
@@ -104,7 +97,6 @@ Touch touch_facet(const FacetGeometry& g, Vec3 s) {
     best.direction = c.inside || !(distance > 0.0) ? normal : way[k] * ((side < 0.0 ? -1.0 : 1.0) / distance);
   }
   best.lowest = lowest;
-  best.highest = highest;
   return best;
 }
 
@@ -347,13 +339,14 @@ struct ErodingSurface final : Contact {
       const double tolerance = 1e-9 * max_of(g.size, found_size);
       const bool nearer = found < 0 || t.distance < best.distance - tolerance;
       const bool same = !nearer && t.distance <= best.distance + tolerance;
-      if (same) best.join(t);
-      if (!nearer && !(same && std::fabs(t.side) > std::fabs(best.side))) continue;
-      const Touch before = best;
-      best = t;
-      if (same) best.join(before);
-      found = f;
-      found_size = g.size;
+      if (!nearer && !same) continue;
+      const double lowest = same ? min_of(best.lowest, t.lowest) : t.lowest;
+      if (nearer || std::fabs(t.side) > std::fabs(best.side)) {
+        best = t;
+        found = f;
+        found_size = g.size;
+      }
+      best.lowest = lowest;
     }
     return found;
   }

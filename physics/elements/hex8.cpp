@@ -323,10 +323,11 @@ struct Hex8 final : Element {
       for (int c = 0; c < n_components; ++c) __builtin_prefetch(array + (far * n_components + c) * lane_width);
     };
     for (int line = 0; line < 4; ++line) __builtin_prefetch(w.nodes + 64 * far + 16 * line);
-    for (const double* array :
-         {w.mass, static_cast<const double*>(w.volume), static_cast<const double*>(w.pressure),
-          static_cast<const double*>(w.internal_energy), static_cast<const double*>(w.viscous_energy)})
-      fetch(array, 1);
+    fetch(w.mass, 1);
+    fetch(w.volume, 1);
+    fetch(w.pressure, 1);
+    fetch(w.internal_energy, 1);
+    fetch(w.viscous_energy, 1);
     fetch(w.deviator, 6);
     fetch(w.element_state, w.n_element_state);
     fetch(w.material_state, w.n_material_state);
