@@ -2,7 +2,6 @@
 //
 // Source: G.R. Johnson & W.H. Cook, "A constitutive model and data for metals subjected to large strains, high
 // strain rates and high temperatures", Proc. 7th Int. Symp. on Ballistics (1983) 541-547, eq. 1.
-#include <kerf/lanes.hpp>
 #include <kerf/material.hpp>
 
 namespace {
@@ -131,7 +130,7 @@ struct JohnsonCook final : Material {
     const double per_reference = 1.0 / (reference_rate * k.dt + 1e-300);
     alignas(64) double moving[lane_width];
     for (int l = 0; l < lane_width; ++l) moving[l] = select(k.bound[l] > 0.0, 1.0, 0.0);
-    for (int i = 0; i < max_iterations && mask_of(load_lanes(moving) > 0.0) != 0; ++i) {
+    for (int i = 0; i < max_iterations && any_positive(moving); ++i) {
 #pragma omp simd
       for (int l = 0; l < lane_width; ++l) {
         const double d = max_of(k.d[l], 1e-60), total = strain[l] + d;
@@ -158,6 +157,12 @@ struct JohnsonCook final : Material {
     state[strain_row][l] += d;
     state[rate_row][l] = d / (k.dt + 1e-300);
     state[temperature_row][l] += taylor_quinney * stress * d / (k.density[l] * specific_heat);
+  }
+
+  static bool any_positive(const double (&values)[lane_width]) {  // each of which is 0 or 1
+    std::int64_t bits = 0;
+    for (int l = 0; l < lane_width; ++l) bits |= std::bit_cast<std::int64_t>(values[l]);
+    return bits != 0;
   }
 
   // Relative change of d in the last iteration; what then remains is its square.

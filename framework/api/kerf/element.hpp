@@ -55,8 +55,8 @@ struct ElementWork {
   // results
   double energy_per_quantum = 1.0;  // [1/J]
   std::int64_t hourglass_energy = 0;  // in energy quanta
-  double least_step[lane_width];  // smallest stable step seen per lane, without safety factor [s]
-  std::int64_t least_block[lane_width];
+  alignas(64) double least_step[lane_width];  // smallest stable step seen per lane, without safety factor [s]
+  alignas(64) std::int64_t least_block[lane_width];
   std::uint8_t* failed = nullptr;  // [block] bit mask of lanes to erode
   int bad_block = -1;  // first block with a force that is not finite or too large
   int inverted_block = -1;  // first block with an inverted element that no criterion erodes

@@ -1,0 +1,112 @@
+// Vectors of the element kernels: rounding to whole numbers, masks, gather and scatter. Built once for this machine and
+// once for the narrowest registers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "kerf/lanes.hpp"
+
+namespace {
+
+using namespace kerf;
+
+/// Numbers of all sizes below `limit`, among them whole ones, halves, and their neighbours.
+std::vector<double> samples(double limit) {
+  std::vector<double> values = {0.0, -0.0, 0.5, 1.5, 2.5, std::nextafter(0.5, 0.0), std::nextafter(0.5, 1.0), 1e-300};
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> mantissa(1.0, 2.0);
+  for (double size = 0.25; size < limit; size *= 2.0)
+    for (int k = 0; k < 20; ++k) {
+      const double value = mantissa(random) * 0.5 * size;
+      for (const double v : {value, std::floor(value) + 0.5, std::floor(value), std::nextafter(size, 0.0)})
+        if (v < limit) values.push_back(v);
+    }
+  const std::size_t n = values.size();
+  for (std::size_t i = 0; i < n; ++i) values.push_back(-values[i]);
+  while (values.size() % lane_width != 0) values.push_back(0.0);
+  return values;
+}
+
+template <class Round>
+void expect_nearest(double limit, const Round& round) {
+  const std::vector<double> values = samples(limit);
+  alignas(64) double in[lane_width];
+  alignas(64) std::int64_t out[lane_width];
+  for (std::size_t i = 0; i < values.size(); i += lane_width) {
+    std::copy_n(&values[i], lane_width, in);
+    each_piece([&](int lane) { store_lanes(out + lane, round(load_lanes(in + lane))); });
+    for (int l = 0; l < lane_width; ++l) EXPECT_EQ(out[l], std::llrint(in[l])) << in[l];
+  }
+}
+
+TEST(Lanes, RoundToTheNearestWholeNumberTiesToEven) {
+  expect_nearest(0x1p62, [](Lanes v) { return round_to_int(v); });
+}
+
+TEST(Lanes, RoundSmallNumbersAlike) {
+  expect_nearest(small_limit, [](Lanes v) { return round_small_to_int(v); });
+}
+
+TEST(Lanes, MaskHasOneBitPerLane) {
+  for (unsigned bits = 0; bits <= all_lanes; ++bits) {
+    alignas(64) double v[register_lanes];
+    for (int l = 0; l < register_lanes; ++l) v[l] = (bits >> l & 1u) != 0 ? 1.0 : -1.0;
+    EXPECT_EQ(mask_of(load_lanes(v) > 0.0), bits);
+    EXPECT_EQ(mask_of(~(load_lanes(v) > 0.0)), ~bits & all_lanes);
+  }
+}
+
+TEST(Lanes, MagnitudeKeepsNaNAndInfinity) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(std::isnan(abs_of(lanes(nan))[0]));
+  EXPECT_EQ(abs_of(lanes(-infinity))[0], infinity);
+  EXPECT_EQ(abs_of(lanes(-2.5))[register_lanes - 1], 2.5);
+  EXPECT_FALSE(std::signbit(abs_of(lanes(-0.0))[0]));
+}
+
+TEST(Lanes, RootIsThatOfEachLane) {
+  alignas(64) double v[register_lanes];
+  for (int l = 0; l < register_lanes; ++l) v[l] = 1.7 * (l + 1);
+  for (int l = 0; l < register_lanes; ++l) EXPECT_EQ(sqrt_of(load_lanes(v))[l], std::sqrt(v[l]));
+}
+
+TEST(Lanes, GatherReadsThreeComponentsOfEachNode) {
+  alignas(64) double nodal[4 * 20];
+  for (int i = 0; i < 80; ++i) nodal[i] = 100.0 + i;
+  const std::int32_t node[8] = {3, 17, 0, 3, 19, 8, 9, 1};
+  Lanes x, y, z;
+  gather_vector(nodal, node, x, y, z);
+  for (int l = 0; l < register_lanes; ++l) {
+    EXPECT_EQ(x[l], 100.0 + 4 * node[l]);
+    EXPECT_EQ(y[l], 101.0 + 4 * node[l]);
+    EXPECT_EQ(z[l], 102.0 + 4 * node[l]);
+  }
+}
+
+TEST(Lanes, ScatterAddsLaneAfterLaneWhereLanesShareANode) {
+  alignas(64) std::int64_t nodal[4 * 6], expected[4 * 6];
+  for (int i = 0; i < 24; ++i) nodal[i] = expected[i] = 1000 + i;
+  const std::int32_t node[8] = {2, 2, 5, 2, 0, 5, 5, 2};
+  LanesInt v[3];
+  for (int d = 0; d < 3; ++d)
+    for (int l = 0; l < register_lanes; ++l) {
+      v[d][l] = (std::int64_t{1} << 40) * (d + 1) + 7 * l;
+      expected[4 * node[l] + d] += v[d][l];
+    }
+  scatter_add(nodal, node, v[0], v[1], v[2]);
+  for (int i = 0; i < 24; ++i) EXPECT_EQ(nodal[i], expected[i]) << i;  // the fourth entries are left alone
+}
+
+TEST(Lanes, PiecesMakeUpABlock) {
+  int lanes_seen = 0;
+  each_piece([&](int lane) {
+    EXPECT_EQ(lane, lanes_seen);
+    lanes_seen += register_lanes;
+  });
+  EXPECT_EQ(lanes_seen, lane_width);
+}
+
+}  // namespace
