@@ -136,11 +136,16 @@ struct CandidateSearch::Tables {
   std::vector<std::int32_t> cluster_of;  // per slave
   std::vector<std::int32_t> open_cluster;  // per part: the one that has room for another slave, or -1
   std::vector<std::vector<std::int32_t>> found;  // per slave: facets, sorted by id; dead ones are left in
+  std::vector<std::int32_t> row_of;  // per slave: its row in the lists, or -1
+  std::vector<std::int32_t> slave_of_row;
+  std::vector<std::int32_t> outdated;  // slaves whose rows are to be made anew, some of them perhaps twice
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
   std::int32_t mark = 0;
   Candidates lists;  // as last asked for; nodes and facets keep their places
   static constexpr std::int32_t gone = -2;
   std::vector<std::int32_t> listed_node, listed_facet;  // per node number and facet: place in the lists, -1, or gone
+  std::vector<char> gone_from_lists;  // per facet of the lists
+  bool any_gone = false;  // since the rows were made
   bool one_rank = false;
 
   Tables(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, bool same, std::size_t n_local)
@@ -202,6 +207,7 @@ struct CandidateSearch::Tables {
     ring.resize(numbering.size(), 0);
     slave_of.resize(numbering.size(), -1);
     found.resize(slaves.size());
+    row_of.resize(slaves.size(), -1);
   }
   /// Marks the nodes of the facets around a slave.
   void mark_ring(std::size_t s) {
@@ -245,8 +251,12 @@ struct CandidateSearch::Tables {
                        [&](std::size_t k) { meet(static_cast<std::size_t>(s), parts[p].facet[k], own, marked); });
       }
     }
-    for (const std::int32_t s : cluster.slaves)
-      if (found[s].size() > 1) sort_by_id(found[s]);
+    for (const std::int32_t s : cluster.slaves) settle(s);
+  }
+  /// Sorts what was found for a slave; its row is to be made anew.
+  void settle(std::int32_t s) {
+    if (found[s].size() > 1) sort_by_id(found[s]);
+    if (!found[s].empty() || row_of[s] >= 0) outdated.push_back(s);
   }
   /// Pairs of a slave with all facets that there are now.
   void find(std::size_t s) {
@@ -259,7 +269,7 @@ struct CandidateSearch::Tables {
                 [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
     }
     find_late(s, marked);
-    sort_by_id(found[s]);
+    settle(static_cast<std::int32_t>(s));
   }
   /// Pairs of a slave with the late facets.
   void find_late(std::size_t s, bool& marked) {
@@ -284,7 +294,12 @@ struct CandidateSearch::Tables {
     fresh.finish();
     fresh_own.finish();
     for (const SlaveCluster& cluster : clusters) {
-      const bool others = cluster.box.meets(all), own = same_part && cluster.own_box.meets(all_own);
+      const auto any = [](const FacetTree& tree, const Box& box, const Box& hull) {
+        bool meets = false;
+        if (box.meets(hull)) tree.each(box, [&](std::size_t) { meets = true; });
+        return meets;
+      };
+      const bool others = any(fresh, cluster.box, all), own = same_part && any(fresh_own, cluster.own_box, all_own);
       if (!others && !own) continue;
       for (const std::int32_t s : cluster.slaves) {
         const std::size_t before = found[s].size();
@@ -295,7 +310,7 @@ struct CandidateSearch::Tables {
         };
         if (others) fresh.each(slaves[s].box, [&](std::size_t k) { take(false, k); });
         if (own) fresh_own.each(slaves[s].own_box, [&](std::size_t k) { take(true, k); });
-        if (found[s].size() != before) sort_by_id(found[s]);
+        if (found[s].size() != before) settle(s);
       }
     }
   }
@@ -329,6 +344,7 @@ struct CandidateSearch::Tables {
       if (maybe[static_cast<std::size_t>(element % few)] == 0 || role[f] == 0) continue;
       if (!std::binary_search(dead.begin(), dead.end(), element)) continue;
       role[f] = 0;
+      if (listed_facet[f] >= 0) gone_from_lists[listed_facet[f]] = any_gone = true;
       listed_facet[f] = gone;
       for (int k = 0; k < 4; ++k) {
         around.remove(corners[f][k], static_cast<std::int32_t>(f));
@@ -366,6 +382,7 @@ struct CandidateSearch::Tables {
     if (listed_facet[f] < 0) {
       listed_facet[f] = static_cast<std::int32_t>(lists.facet_id.size());
       lists.facet_id.push_back(ids[f]);
+      gone_from_lists.push_back(false);
       lists.facet_part.push_back(facets[f].part);
       lists.facet_bulk_modulus.push_back(facets[f].bulk_modulus);
       lists.facet_volume.push_back(facets[f].volume);
@@ -373,32 +390,78 @@ struct CandidateSearch::Tables {
     }
     return listed_facet[f];
   }
-  /// The row of one slave; none where it has no candidates.
-  void list_row(std::size_t s) {
+  /// Writes the row of one slave at the end of the lists, or takes it out where the slave has no candidates.
+  void make_row(std::int32_t s) {
     const std::size_t before = lists.candidate.size();
-    lists.candidate.resize(before + found[s].size());
-    std::size_t end = before;
     for (const std::int32_t f : found[s])
-      if (listed_facet[f] != gone) lists.candidate[end++] = list_facet(f);
-    lists.candidate.resize(end);
-    if (end == before) return;
+      if (listed_facet[f] != gone) lists.candidate.push_back(list_facet(f));
+    if (lists.candidate.size() == before) {
+      if (row_of[s] >= 0) remove_row(row_of[s]);
+      return;
+    }
+    if (row_of[s] < 0) append_row(s);
+    const auto row = static_cast<std::size_t>(row_of[s]);
+    lists.candidates[row] = {static_cast<std::int32_t>(before), static_cast<std::int32_t>(lists.candidate.size())};
+    lists.around_rows[row].begin = static_cast<std::int32_t>(lists.around.size());
+    for (const std::int32_t f : around.of(number[s])) lists.around.push_back(list_facet(f));
+    lists.around_rows[row].end = static_cast<std::int32_t>(lists.around.size());
+  }
+  void append_row(std::int32_t s) {
+    row_of[s] = static_cast<std::int32_t>(slave_of_row.size());
+    slave_of_row.push_back(s);
     const ContactNodeRecord& slave = slaves[s];
     lists.slave.push_back(list_node(number[s], slave.id, slave.owner, slave.local, slave.part));
-    for (const std::int32_t f : around.of(number[s])) lists.around.push_back(list_facet(f));
-    lists.first_candidate.push_back(static_cast<std::int32_t>(lists.candidate.size()));
-    lists.first_around.push_back(static_cast<std::int32_t>(lists.around.size()));
+    lists.candidates.emplace_back();
+    lists.around_rows.emplace_back();
+  }
+  void remove_row(std::int32_t row) {
+    row_of[slave_of_row[row]] = -1;
+    if (slave_of_row[row] != slave_of_row.back()) row_of[slave_of_row.back()] = row;
+    for (auto* list : {&slave_of_row, &lists.slave}) {
+      (*list)[row] = list->back();
+      list->pop_back();
+    }
+    for (auto* list : {&lists.candidates, &lists.around_rows}) {
+      (*list)[row] = list->back();
+      list->pop_back();
+    }
+  }
+  /// Takes facets that are gone out of rows around which nothing else has changed. Where one of the facets round the
+  /// slave itself is gone, its row is made anew in any case.
+  void drop_gone() {
+    for (auto row = static_cast<std::int32_t>(lists.candidates.size()) - 1; row >= 0; --row) {
+      auto& [begin, end] = lists.candidates[row];
+      std::int32_t kept = begin;
+      for (std::int32_t k = begin; k < end; ++k)
+        if (gone_from_lists[lists.candidate[k]] == 0) lists.candidate[kept++] = lists.candidate[k];
+      end = kept;
+      if (begin == end) remove_row(row);
+    }
+    any_gone = false;
+  }
+  /// Gives room of rows that were written anew back.
+  static void pack(std::vector<ContactRow>& rows, std::vector<std::int32_t>& entries) {
+    std::size_t used = 0;
+    for (const ContactRow& row : rows) used += static_cast<std::size_t>(row.end - row.begin);
+    if (entries.size() < 2 * used + 1024) return;
+    std::vector<std::int32_t> packed;
+    packed.reserve(2 * used);
+    for (ContactRow& row : rows) {
+      const auto begin = static_cast<std::int32_t>(packed.size());
+      packed.insert(packed.end(), entries.begin() + row.begin, entries.begin() + row.end);
+      row = {begin, static_cast<std::int32_t>(packed.size())};
+    }
+    entries.swap(packed);
   }
   void list_all() {
     const std::size_t before = lists.node_id.size();
     listed_node.resize(numbering.size(), -1);
     listed_facet.resize(facets.size(), -1);
-    lists.slave.clear();
-    lists.candidate.clear();
-    lists.around.clear();
-    lists.first_candidate.assign(1, 0);
-    lists.first_around.assign(1, 0);
-    for (std::size_t s = 0; s < slaves.size(); ++s)
-      if (!found[s].empty()) list_row(s);
+    if (any_gone) drop_gone();
+    for (const std::int32_t s : outdated) make_row(s);
+    outdated.clear();
+    pack(lists.candidates, lists.candidate);
+    pack(lists.around_rows, lists.around);
     // Where new nodes have to be fetched from other ranks, those that the next death may lay bare come with them.
     if (one_rank || lists.node_id.size() == before) return;
     for (std::size_t f = 0; f < facets.size(); ++f)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "core/assert.hpp"
@@ -72,8 +73,20 @@ std::vector<std::int32_t> ContactEngine::surface_nodes(const Model& model,
     for (std::size_t i = 0; i < n; ++i) mark[i] = count[i] != 0 ? 1 : 0;
   }
   std::vector<std::int32_t> nodes;
-  for (std::size_t i = 0; i < n; ++i)
+  const auto take = [&](std::size_t i) {
     if (mark[i] != 0 || takes_free(model, static_cast<int>(i))) nodes.push_back(static_cast<std::int32_t>(i));
+  };
+  // Most nodes are neither, which eight of them tell at once.
+  constexpr std::size_t some = sizeof(std::uint64_t);
+  std::size_t i = 0;
+  for (; i + some <= n; i += some) {
+    std::uint64_t marks, frees;
+    std::memcpy(&marks, &mark[i], some);
+    std::memcpy(&frees, &model.nodes.free[i], some);
+    if ((marks | frees) == 0) continue;
+    for (std::size_t k = i; k < i + some; ++k) take(k);
+  }
+  for (; i < n; ++i) take(i);
   return nodes;
 }
 
@@ -178,7 +191,7 @@ bool ContactEngine::uneven(const Model& model, const std::vector<ContactNodeReco
 void ContactEngine::count_candidates(const Model& model) {
   std::vector<std::int64_t> counts(found_->node_id.size(), 0);
   for (std::size_t k = 0; k < found_->slave.size(); ++k)
-    counts[found_->slave[k]] = found_->first_candidate[k + 1] - found_->first_candidate[k];
+    counts[found_->slave[k]] = found_->candidates[k].end - found_->candidates[k].begin;
   n_candidates_.assign(static_cast<std::size_t>(model.nodes.n()), 0);
   plan_->push_add(counts.data(), 1, n_candidates_.data(), 1, 1);
 }
@@ -394,9 +407,9 @@ ContactView ContactEngine::view(double dt) const {
   v.facet_volume = found_->facet_volume.data();
   v.n_slaves = static_cast<int>(found_->slave.size());
   v.slave = found_->slave.data();
-  v.first_candidate = found_->first_candidate.data();
+  v.candidate_rows = found_->candidates.data();
   v.candidate = found_->candidate.data();
-  v.first_around = found_->first_around.data();
+  v.around_rows = found_->around_rows.data();
   v.around = found_->around.data();
   return v;
 }

@@ -246,8 +246,8 @@ struct ErodingSurface final : Contact {
     const Vec3 s = view.x(view.slave[i]);
     Vec3 own;
     bool has_own = false;
-    const std::int32_t* from = view.candidate + view.first_candidate[i];
-    const std::int32_t* end = view.candidate + view.first_candidate[i + 1];
+    const std::span<const std::int32_t> row = view.candidates_of(i);
+    const std::int32_t *from = row.data(), *end = from + row.size();
     while (from != end) {
       const std::int32_t* to = from;
       while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
@@ -388,8 +388,8 @@ struct ErodingSurface final : Contact {
   /// Unit normal of the surface around a slave, zero for a free node, which has no surface.
   Vec3 own_normal(const ContactView& view, int i) const {
     Vec3 own;
-    for (std::int32_t a = view.first_around[i]; a < view.first_around[i + 1]; ++a) {
-      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(view.around[a]);
+    for (const std::int32_t facet : view.around_slave(i)) {
+      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
       own = own + cross(view.x(n[2]) - view.x(n[0]), view.x(n[3]) - view.x(n[1]));
     }
     const double length = norm(own);

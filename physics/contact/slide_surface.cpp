@@ -128,14 +128,13 @@ struct SlideSurface final : Contact {
   int locate(const ContactView& view, int i, Projection& best) const {
     const int node = view.slave[i];
     const Vec3 s = view.x(node);
-    const std::int32_t* first = view.candidate + view.first_candidate[i];
-    const std::int32_t* last = view.candidate + view.first_candidate[i + 1];
+    const std::span<const std::int32_t> facets = view.candidates_of(i);
     // 1. Global search: the nearest master node; ties go to the lower id.
     double nearest = 1e300;
     std::int64_t nearest_id = -1;
-    for (const std::int32_t* f = first; f != last; ++f)
+    for (const std::int32_t f : facets)
       for (int k = 0; k < 4; ++k) {
-        const std::int32_t n = view.facet_nodes[4 * *f + k];
+        const std::int32_t n = view.facet_nodes[4 * f + k];
         const Vec3 d = view.x(n) - s;
         const double distance = dot(d, d);
         if (distance < nearest || (distance == nearest && view.node_id[n] < nearest_id)) {
@@ -147,19 +146,19 @@ struct SlideSurface final : Contact {
     // within its edges, then nearest to its surface; ties go to the lower id, which comes first.
     int found = -1;
     double best_outside = 1e300;
-    for (const std::int32_t* f = first; f != last; ++f) {
-      const std::int32_t* n = view.facet_nodes + 4 * *f;
+    for (const std::int32_t f : facets) {
+      const std::int32_t* n = view.facet_nodes + 4 * f;
       bool round = false;
       for (int k = 0; k < 4; ++k) round = round || view.node_id[n[k]] == nearest_id;
       if (!round) continue;
-      const FacetGeometry g(view, *f);
+      const FacetGeometry g(view, f);
       const Projection p = project(g.x, s);
       const double outside = max_of(max_of(std::fabs(p.xi), std::fabs(p.eta)) - 1.0, 0.0);
       if (!p.converged || outside > overlap || -p.gap > depth * min_of(g.thickness, g.size)) continue;
       if (outside < best_outside || (outside == best_outside && std::fabs(p.gap) < std::fabs(best.gap))) {
         best_outside = outside;
         best = p;
-        found = *f;
+        found = f;
       }
     }
     return found;

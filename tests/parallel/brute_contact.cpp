@@ -106,8 +106,6 @@ void BruteContact::list_pairs() {
   std::vector<unsigned> facet_roles;
   for (const std::int32_t part : facet_part_)
     facet_roles.push_back(role(part, request_.masters) | (request_.symmetric ? role(part, request_.slaves) << 1 : 0u));
-  first_candidate_.push_back(0);
-  first_around_.push_back(0);
   std::vector<std::int32_t> in_ring(node_id_.size(), -1);  // the slave whose ring a node was last found in
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(node_id_.size()); ++n) {
     const NodeRecord& record = global_.nodes[n];
@@ -116,6 +114,7 @@ void BruteContact::list_pairs() {
     const unsigned roles =
         role(record.part, request_.slaves) | (request_.symmetric ? role(record.part, request_.masters) << 1 : 0u);
     if (roles == 0) continue;
+    const auto first = static_cast<std::int32_t>(candidate_.size());
     std::vector<std::int32_t> ring{n};
     for (const std::int32_t f : facets_of_node_[n])
       ring.insert(ring.end(), facet_nodes_.begin() + 4 * f, facet_nodes_.begin() + 4 * f + 4);
@@ -132,9 +131,10 @@ void BruteContact::list_pairs() {
       candidate_.push_back(static_cast<std::int32_t>(f));
     }
     slave_.push_back(n);
-    first_candidate_.push_back(static_cast<std::int32_t>(candidate_.size()));
+    candidate_rows_.push_back({first, static_cast<std::int32_t>(candidate_.size())});
+    const auto first_around = static_cast<std::int32_t>(around_.size());
     around_.insert(around_.end(), facets_of_node_[n].begin(), facets_of_node_[n].end());
-    first_around_.push_back(static_cast<std::int32_t>(around_.size()));
+    around_rows_.push_back({first_around, static_cast<std::int32_t>(around_.size())});
     ring_.push_back(std::move(ring));
   }
 }
@@ -156,9 +156,9 @@ ContactView BruteContact::view(double dt) const {
   v.facet_volume = volume_.data();
   v.n_slaves = static_cast<int>(slave_.size());
   v.slave = slave_.data();
-  v.first_candidate = first_candidate_.data();
+  v.candidate_rows = candidate_rows_.data();
   v.candidate = candidate_.data();
-  v.first_around = first_around_.data();
+  v.around_rows = around_rows_.data();
   v.around = around_.data();
   return v;
 }
@@ -185,8 +185,8 @@ bool BruteContact::row_is_pushed(std::size_t row, const ForceScale& scale, doubl
   ContactView one = view(dt);
   one.n_slaves = 1;
   one.slave += row;
-  one.first_candidate += row;
-  one.first_around += row;
+  one.candidate_rows += row;
+  one.around_rows += row;
   law_.add_forces(one, sink);
   return sink.n_pairs() != 0;
 }

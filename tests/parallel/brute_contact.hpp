@@ -60,7 +60,8 @@ class BruteContact {
   std::vector<std::int64_t> node_id_, facet_id_;
   std::vector<double> position_, velocity_, mass_, bulk_modulus_, volume_;
   std::vector<std::int32_t> node_part_, facet_nodes_, facet_opposite_, facet_part_;
-  std::vector<std::int32_t> slave_, first_candidate_, candidate_, first_around_, around_;
+  std::vector<std::int32_t> slave_, candidate_, around_;
+  std::vector<ContactRow> candidate_rows_, around_rows_;
   std::vector<std::vector<std::int32_t>> facets_of_node_;
   std::vector<std::vector<std::int32_t>> ring_;  // per slave: nodes of the facets round it
 };

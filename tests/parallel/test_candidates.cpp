@@ -196,7 +196,7 @@ std::set<Pair> all_pairs(const RandomSurface& surface, bool same_part) {
 std::set<Pair> pairs_of(const Candidates& c) {
   std::set<Pair> pairs;
   for (std::size_t s = 0; s < c.slave.size(); ++s)
-    for (std::int32_t i = c.first_candidate[s]; i < c.first_candidate[s + 1]; ++i)
+    for (std::int32_t i = c.candidates[s].begin; i < c.candidates[s].end; ++i)
       pairs.insert({c.node_id[c.slave[s]], c.facet_id[c.candidate[i]]});
   return pairs;
 }
@@ -209,8 +209,10 @@ void expect_complete(const RandomSurface& surface, const Candidates& found, bool
 
 /// Rows are sorted by facet id; what they refer to is what the records said.
 void expect_well_formed(const RandomSurface& surface, const Candidates& c) {
-  ASSERT_EQ(c.first_candidate.size(), c.slave.size() + 1);
-  ASSERT_EQ(c.first_around.size(), c.slave.size() + 1);
+  ASSERT_EQ(c.candidates.size(), c.slave.size());
+  ASSERT_EQ(c.around_rows.size(), c.slave.size());
+  EXPECT_EQ(std::set<std::int32_t>(c.slave.begin(), c.slave.end()).size(), c.slave.size());
+  std::set<std::int32_t> referred;
   std::map<std::int64_t, const ContactFacetRecord*> facet;
   std::map<std::int64_t, std::set<std::int64_t>> around;
   for (const ContactFacetRecord& f : surface.facets) {
@@ -218,18 +220,20 @@ void expect_well_formed(const RandomSurface& surface, const Candidates& c) {
     for (int k = 0; k < 4; ++k) around[f.nodes[k]].insert(f.id);
   }
   for (std::size_t s = 0; s < c.slave.size(); ++s) {
-    ASSERT_LT(c.first_candidate[s], c.first_candidate[s + 1]) << "a slave without candidates is listed";
+    const auto [begin, end] = c.candidates[s];
+    ASSERT_LT(begin, end) << "a slave without candidates is listed";
+    referred.insert(c.candidate.begin() + begin, c.candidate.begin() + end);
     const auto by_id = [&](std::int32_t a, std::int32_t b) { return c.facet_id[a] < c.facet_id[b]; };
-    EXPECT_TRUE(
-        std::is_sorted(&c.candidate[c.first_candidate[s]], c.candidate.data() + c.first_candidate[s + 1], by_id));
+    EXPECT_TRUE(std::is_sorted(c.candidate.begin() + begin, c.candidate.begin() + end, by_id));
     std::vector<std::int64_t> listed;
-    for (std::int32_t i = c.first_around[s]; i < c.first_around[s + 1]; ++i) listed.push_back(c.facet_id[c.around[i]]);
+    for (std::int32_t i = c.around_rows[s].begin; i < c.around_rows[s].end; ++i) {
+      listed.push_back(c.facet_id[c.around[i]]);
+      referred.insert(c.around[i]);
+    }
     EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end()));
     const auto& expected = around[c.node_id[c.slave[s]]];
     EXPECT_TRUE(std::set<std::int64_t>(listed.begin(), listed.end()) == expected) << "node " << c.node_id[c.slave[s]];
   }
-  std::set<std::int32_t> referred(c.candidate.begin(), c.candidate.end());
-  referred.insert(c.around.begin(), c.around.end());
   for (const std::int32_t f : referred) {
     const auto it = facet.find(c.facet_id[f]);
     ASSERT_NE(it, facet.end()) << "facet " << c.facet_id[f] << " is gone";

@@ -28,7 +28,8 @@ struct Roof {
   std::array<std::int32_t, 2> facet_part = {0, 0};
   std::array<double, 2> bulk_modulus = {1e3, 1e3}, volume = {1, 1};
   std::array<std::int32_t, 1> slave = {6};
-  std::array<std::int32_t, 2> first_candidate = {0, 2}, candidate = {0, 1}, first_around = {0, 0};
+  ContactRow candidates{0, 2}, around;
+  std::array<std::int32_t, 2> candidate = {0, 1};
   std::array<std::int64_t, 28> force = {};
 
   Roof() {
@@ -58,9 +59,9 @@ struct Roof {
     view.facet_volume = volume.data();
     view.n_slaves = 1;
     view.slave = slave.data();
-    view.first_candidate = first_candidate.data();
-    view.candidate = candidate.data();
-    view.first_around = view.around = first_around.data();
+    view.candidate_rows = &candidates;
+    view.around_rows = &around;
+    view.candidate = view.around = candidate.data();
     const ForceScale scale{1e-9, 1e9};
     ContactForces forces(force.data(), scale);
     law.add_forces(view, forces);
@@ -111,7 +112,7 @@ TEST(ErodingSurface, DoesNotCareForFacetsBeyondTheirReach) {
   roof.volume = {16, 1};
   const Vec3 node{0.8, 0.0, -0.3};
   const auto with_both = roof.force_at(*law, node);
-  roof.first_candidate[1] = 1;  // of two candidates
+  roof.candidates.end = 1;  // of two candidates
   const auto with_one = roof.force_at(*law, node);
   ASSERT_TRUE(with_both && with_one);
   for (int d = 0; d < 3; ++d) EXPECT_EQ((*with_both)[d], (*with_one)[d]);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,11 @@
 #include "kerf/plugin.hpp"
 
 namespace kerf {
+
+/// Begin and end of one slave's entries in a list.
+struct ContactRow {
+  std::int32_t begin = 0, end = 0;
+};
 
 /// The contact surface as one rank sees it. Lists of facets belonging to a node are sorted by facet id, so that
 /// whatever a plugin sums or chooses along them is the same on any number of ranks; the order of nodes and facets
@@ -30,14 +36,22 @@ struct ContactView {
   const std::int32_t* facet_part = nullptr;
   const double* facet_bulk_modulus = nullptr;  // of the undeformed material [Pa]
   const double* facet_volume = nullptr;  // of the undeformed element [m3]
-  // Candidates: facets first_candidate[i] .. first_candidate[i + 1] may touch node slave[i] until the next search.
   int n_slaves = 0;
-  const std::int32_t *slave = nullptr, *first_candidate = nullptr, *candidate = nullptr;
-  // Facets that hold node slave[i] are around[first_around[i]] .. around[first_around[i + 1]]; none for free nodes.
-  const std::int32_t *first_around = nullptr, *around = nullptr;
+  const std::int32_t* slave = nullptr;  // nodes
+  const ContactRow *candidate_rows = nullptr, *around_rows = nullptr;  // per slave
+  const std::int32_t *candidate = nullptr, *around = nullptr;
 
+  /// Facets that node slave[i] may touch until the next search.
+  std::span<const std::int32_t> candidates_of(int i) const { return part_of(candidate, candidate_rows[i]); }
+  /// Facets that hold node slave[i]; none for free nodes.
+  std::span<const std::int32_t> around_slave(int i) const { return part_of(around, around_rows[i]); }
   Vec3 x(int node) const { return {position[4 * node], position[4 * node + 1], position[4 * node + 2]}; }
   Vec3 v(int node) const { return {velocity[4 * node], velocity[4 * node + 1], velocity[4 * node + 2]}; }
+
+ private:
+  static std::span<const std::int32_t> part_of(const std::int32_t* list, ContactRow row) {
+    return {list + row.begin, list + row.end};
+  }
 };
 
 /// Takes contact forces, node against facet, equal and opposite to the last bit.

@@ -294,9 +294,9 @@ void contact_forces(benchmark::State& state) {
   v.facet_volume = found.facet_volume.data();
   v.n_slaves = static_cast<int>(found.slave.size());
   v.slave = found.slave.data();
-  v.first_candidate = found.first_candidate.data();
+  v.candidate_rows = found.candidates.data();
   v.candidate = found.candidate.data();
-  v.first_around = found.first_around.data();
+  v.around_rows = found.around_rows.data();
   v.around = found.around.data();
 
   std::vector<std::int64_t> force(position.size());
