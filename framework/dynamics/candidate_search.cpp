@@ -164,8 +164,8 @@ struct CandidateSearch::Tables {
     for (std::size_t i = 0; i < slaves.size(); ++i) join(static_cast<std::int32_t>(i));
     around.build(corners, ids, numbering.size());
     plant_trees();
-    std::vector<std::size_t> groups;
-    for (const SlaveCluster& cluster : clusters) find_all(cluster, groups);
+    std::vector<std::size_t> branches;
+    for (const SlaveCluster& cluster : clusters) find_all(cluster, branches);
   }
 
   void plant_trees() {
@@ -229,6 +229,9 @@ struct CandidateSearch::Tables {
   void meet(std::size_t s, std::int32_t f, bool own, bool& marked) {
     if ((role[f] & slaves[s].role) == 0) return;
     if (own) {
+      // On a flat surface a slave meets none but the facets that hold it.
+      for (const std::int32_t holder : around.of(number[s]))
+        if (holder == f) return;
       if (!marked) mark_ring(s);
       marked = true;
       if (touches_ring(f)) return;
@@ -236,18 +239,18 @@ struct CandidateSearch::Tables {
     found[s].push_back(f);
   }
   /// Pairs of a cluster of slaves with the facets of the search.
-  void find_all(const SlaveCluster& cluster, std::vector<std::size_t>& groups) {
+  void find_all(const SlaveCluster& cluster, std::vector<std::size_t>& branches) {
     const std::int32_t part = slaves[cluster.slaves.front()].part;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == part;
       const FacetTree& tree = own ? parts[p].own : parts[p].others;
-      groups.clear();
-      tree.each_group(own ? cluster.own_box : cluster.box, [&](std::size_t g) { groups.push_back(g); });
-      if (groups.empty()) continue;
+      branches.clear();
+      tree.each_branch(own ? cluster.own_box : cluster.box, [&](std::size_t b) { branches.push_back(b); });
+      if (branches.empty()) continue;
       for (const std::int32_t s : cluster.slaves) {
         bool marked = false;
-        for (const std::size_t g : groups)
-          tree.each_in(g, own ? slaves[s].own_box : slaves[s].box,
+        for (const std::size_t b : branches)
+          tree.each_in(b, own ? slaves[s].own_box : slaves[s].box,
                        [&](std::size_t k) { meet(static_cast<std::size_t>(s), parts[p].facet[k], own, marked); });
       }
     }

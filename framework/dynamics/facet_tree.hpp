@@ -77,27 +77,38 @@ class FacetTree {
       levels_.push_back(std::move(above));
     }
   }
-  /// Calls `visit(group)` for all groups of facets whose common box meets a box.
+  /// Calls `visit(branch)` for all branches whose common box meets a box: for what is to be asked for several boxes that
+  /// are close together. A branch is a group of groups of facets.
   template <class Visit>
-  void each_group(const Box& box, const Visit& visit) const {
-    if (!leaves_.empty()) descend(static_cast<int>(levels_.size()) - 1, 0, box, visit);
+  void each_branch(const Box& box, const Visit& visit) const {
+    if (!leaves_.empty()) descend(static_cast<int>(levels_.size()) - 1, 0, 0, box, visit);
   }
-  /// Calls `visit(number)` for all facets of a group whose boxes meet a box.
+  /// Calls `visit(number)` for all facets of a branch whose boxes meet a box.
   template <class Visit>
-  void each_in(std::size_t group, const Box& box, const Visit& visit) const {
-    leaves_[group].each_meeting(box, [&](int l) { visit(group * BoxGroup::size + static_cast<std::size_t>(l)); });
+  void each_in(std::size_t branch, const Box& box, const Visit& visit) const {
+    if (levels_.empty()) return each_in_group(branch, box, visit);
+    levels_[0][branch].each_meeting(box, [&](int l) {
+      each_in_group(branch * BoxGroup::size + static_cast<std::size_t>(l), box, visit);
+    });
   }
   template <class Visit>
   void each(const Box& box, const Visit& visit) const {
-    each_group(box, [&](std::size_t group) { each_in(group, box, visit); });
+    if (!leaves_.empty())
+      descend(static_cast<int>(levels_.size()) - 1, -1, 0, box,
+              [&](std::size_t group) { each_in_group(group, box, visit); });
   }
 
  private:
   template <class Visit>
-  void descend(int level, std::size_t group, const Box& box, const Visit& visit) const {
-    if (level < 0) return visit(group);
+  void each_in_group(std::size_t group, const Box& box, const Visit& visit) const {
+    leaves_[group].each_meeting(box, [&](int l) { visit(group * BoxGroup::size + static_cast<std::size_t>(l)); });
+  }
+  /// Down to the groups of a level; -1 are the leaves, and what there is where there is one leaf only.
+  template <class Visit>
+  void descend(int level, int last, std::size_t group, const Box& box, const Visit& visit) const {
+    if (level <= last) return visit(group);
     levels_[static_cast<std::size_t>(level)][group].each_meeting(
-        box, [&](int l) { descend(level - 1, group * BoxGroup::size + static_cast<std::size_t>(l), box, visit); });
+        box, [&](int l) { descend(level - 1, last, group * BoxGroup::size + static_cast<std::size_t>(l), box, visit); });
   }
 
   int n_ = 0;
