@@ -46,7 +46,7 @@ double seconds_now() { return MPI_Wtime(); }
 }  // namespace
 
 Reporter::Reporter(Simulation& simulation, const ModelInput& input, const ReportSettings& settings)
-    : simulation_(simulation), input_(input), settings_(settings) {
+    : simulation_(simulation), input_(input), settings_(settings), frames_(simulation.model(), input.output) {
   const OutputInput& o = input.output;
   results_interval_ = o.results_interval > 0.0 ? o.results_interval : input.time.end / 20.0;
   history_interval_ = o.history_interval > 0.0 ? o.history_interval : input.time.end / 200.0;
@@ -135,7 +135,7 @@ void Reporter::count_eroded(const std::vector<ErosionRecord>& records) {
 }
 
 void Reporter::write_frame() {
-  kerf::write_frame(simulation_.model(), input_.output, simulation_.clock().time(), *results_);
+  frames_.write(simulation_.clock().time(), *results_);
   last_frame_cycle_ = simulation_.clock().cycle();
 }
 

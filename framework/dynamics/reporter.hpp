@@ -5,6 +5,7 @@
 #include <string>
 
 #include "dynamics/checkpoint.hpp"
+#include "dynamics/result_fields.hpp"
 #include "dynamics/simulation.hpp"
 #include "output/history.hpp"
 #include "output/results.hpp"
@@ -45,6 +46,7 @@ class Reporter final : public StepObserver {
   const ModelInput& input_;
   ReportSettings settings_;
   std::unique_ptr<ResultsWriter> results_;
+  FrameWriter frames_;
   std::unique_ptr<HistoryWriter> history_;
   std::unique_ptr<ErosionLog> erosion_log_;
   OutputProgress due_;

@@ -10,59 +10,66 @@ namespace kerf {
 
 namespace {
 
-SymTensor deviator_of(const PartStore& store, int s) {
-  const Field& f = store.field(PartStore::deviator);
-  return {f.at(s, 0), f.at(s, 1), f.at(s, 2), f.at(s, 3), f.at(s, 4), f.at(s, 5)};
-}
-
-/// Appends `value(slot)` of all live elements of a part.
-template <class Value>
-void append(const PartStore& store, std::vector<double>& values, const Value& value) {
-  for (int s = 0; s < store.n_slots(); ++s)
-    if (store.live(s)) values.push_back(value(s));
-}
-
-void append_elements(const PartStore& store, const std::string& name, std::vector<double>& values) {
-  const Field &mass = store.field(PartStore::mass), &pressure = store.field(PartStore::pressure);
-  if (name == "pressure") {
-    append(store, values, [&](int s) { return pressure.at(s, 0); });
-  } else if (name == "density") {
-    append(store, values, [&](int s) { return mass.at(s, 0) / store.field(PartStore::volume).at(s, 0); });
-  } else if (name == "internal_energy") {
-    append(store, values, [&](int s) { return store.field(PartStore::internal_energy).at(s, 0) / mass.at(s, 0); });
-  } else if (name == "von_mises") {
-    append(store, values, [&](int s) { return von_mises(deviator_of(store, s)); });
-  } else if (name == "stress") {
-    for (int s = 0; s < store.n_slots(); ++s) {
-      if (!store.live(s)) continue;
-      const SymTensor d = deviator_of(store, s);
-      const double p = pressure.at(s, 0);
-      values.insert(values.end(), {d.xx - p, d.yy - p, d.zz - p, d.xy, d.yz, d.zx});
+/// Calls `value(block, lane, to)`, which writes n doubles, for all live elements of a part. Returns the end.
+template <int n, class Value>
+double* copy_elements(const PartStore& store, double* out, const Value& value) {
+  for (int block = 0; block < store.n_blocks(); ++block)
+    for (int lane = 0; lane < lane_width; ++lane) {
+      const int slot = block * lane_width + lane;
+      if (slot >= store.n_slots() || !store.live(slot)) continue;
+      value(block, lane, out);
+      out += n;
     }
-  } else if (const auto [field, component] = store.find_variable(name); field != PartStore::n_fields) {
-    append(store, values, [&, c = component](int s) { return store.field(field).at(s, c); });
-  } else {
-    append(store, values, [](int) { return 0.0; });  // a variable that this part's laws do not have is zero there
-  }
+  return out;
 }
 
-/// Values of the nodes with the given local numbers.
-std::vector<double> node_values(const Model& model, const std::string& name, const std::vector<std::int32_t>& local) {
-  const NodeStore& nodes = model.nodes;
-  std::vector<double> values;
-  values.reserve(3 * local.size());
-  for (const std::int32_t i : local) {
-    if (name == "mass") {
-      values.push_back(nodes.mass[i]);
-      continue;
-    }
-    const Vec3 v = name == "velocity"   ? nodes.v(i)
-                   : name == "position" ? nodes.x(i)
-                                        : nodes.x(i) - reference_position(model, nodes.id[i]);
-    values.insert(values.end(), {v.x, v.y, v.z});
-  }
-  return values;
+/// A component of a field, block by block.
+class Rows {
+ public:
+  Rows(const PartStore& store, PartStore::FieldIndex field, int component = 0)
+      : first_(store.field(field).data.data() + component * lane_width),
+        stride_(static_cast<std::ptrdiff_t>(store.field(field).n_components) * lane_width) {}
+  double operator()(int block, int lane) const { return first_[block * stride_ + lane]; }
+
+ private:
+  const double* first_;
+  std::ptrdiff_t stride_;
+};
+
+double* copy_stress(const PartStore& store, double* out) {
+  std::vector<Rows> s;
+  for (int c = 0; c < 6; ++c) s.emplace_back(store, PartStore::deviator, c);
+  const Rows pressure(store, PartStore::pressure);
+  return copy_elements<6>(store, out, [&](int b, int l, double* to) {
+    for (int c = 0; c < 6; ++c) to[c] = c < 3 ? s[c](b, l) - pressure(b, l) : s[c](b, l);
+  });
 }
+
+double* copy_elements_of(const PartStore& store, const std::string& name, double* out) {
+  const auto each = [&](const auto& value) {
+    return copy_elements<1>(store, out, [&](int b, int l, double* to) { *to = value(b, l); });
+  };
+  const Rows mass(store, PartStore::mass);
+  if (name == "stress") return copy_stress(store, out);
+  if (name == "pressure") return each(Rows(store, PartStore::pressure));
+  if (name == "density")
+    return each([&, volume = Rows(store, PartStore::volume)](int b, int l) { return mass(b, l) / volume(b, l); });
+  if (name == "internal_energy")
+    return each(
+        [&, energy = Rows(store, PartStore::internal_energy)](int b, int l) { return energy(b, l) / mass(b, l); });
+  if (name == "von_mises") {
+    std::vector<Rows> s;
+    for (int c = 0; c < 6; ++c) s.emplace_back(store, PartStore::deviator, c);
+    return each([&](int b, int l) {
+      return von_mises({s[0](b, l), s[1](b, l), s[2](b, l), s[3](b, l), s[4](b, l), s[5](b, l)});
+    });
+  }
+  if (const auto [field, component] = store.find_variable(name); field != PartStore::n_fields)
+    return each(Rows(store, field, component));
+  return each([](int, int) { return 0.0; });  // a variable that this part's laws do not have is zero there
+}
+
+int components_of(const std::string& element_field) { return element_field == "stress" ? 6 : 1; }
 
 }  // namespace
 
@@ -86,29 +93,67 @@ void write_topology(const Model& model, ResultsWriter& results) {
   results.write_topology(ids, nodes, parts, names);
 }
 
-void write_frame(const Model& model, const OutputInput& output, double time, ResultsWriter& results) {
-  results.begin_frame(time);
-  std::vector<std::int64_t> owned, live;
-  std::vector<std::int32_t> local;
-  for (int i = 0; i < model.nodes.n(); ++i) {
-    if (!model.nodes.owned[i]) continue;
-    local.push_back(i);
-    owned.push_back(model.nodes.id[i]);
+/// Lists what this rank holds, if that has changed. Returns whether it is as before.
+bool FrameWriter::list_entities() {
+  std::vector<std::int64_t> now{model_.node_arrangement()};
+  for (const PartModel& part : model_.parts) now.push_back(part.store->arrangement());
+  if (now == arrangement_) return true;
+  arrangement_ = now;
+  owned_.clear();
+  local_.clear();
+  live_.clear();
+  for (int i = 0; i < model_.nodes.n(); ++i) {
+    if (!model_.nodes.owned[i]) continue;
+    local_.push_back(i);
+    owned_.push_back(model_.nodes.id[i]);
   }
-  results.add_points(owned, node_values(model, "position", local));
-  for (const PartModel& part : model.parts)
+  for (const PartModel& part : model_.parts)
     for (int s = 0; s < part.store->n_slots(); ++s)
-      if (part.store->live(s)) live.push_back(part.store->id(s));
-  results.add_alive(live);
-  for (const std::string& name : output.node_fields)
-    results.add_node_field(name, name == "mass" ? 1 : 3, owned, node_values(model, name, local));
-  std::vector<double> values;
-  for (const std::string& name : output.element_fields) {
-    const int components = name == "stress" ? 6 : 1;
-    values.clear();
-    values.reserve(live.size() * static_cast<std::size_t>(components));
-    for (const PartModel& part : model.parts) append_elements(*part.store, name, values);
-    results.add_element_field(name, components, live, values);
+      if (part.store->live(s)) live_.push_back(part.store->id(s));
+  return false;
+}
+
+void FrameWriter::fill_nodes(const std::string& name) {
+  const NodeStore& nodes = model_.nodes;
+  values_.resize((name == "mass" ? 1 : 3) * local_.size());
+  double* out = values_.data();
+  const auto copy_vectors = [&](const AlignedVector<double>& nodal) {
+    for (const std::int32_t i : local_)
+      for (std::size_t d = 0; d < 3; ++d) *out++ = nodal[4 * static_cast<std::size_t>(i) + d];
+  };
+  if (name == "mass") {
+    for (const std::int32_t i : local_) *out++ = nodes.mass[i];
+  } else if (name == "velocity") {
+    copy_vectors(nodes.velocity);
+  } else {
+    copy_vectors(nodes.position);
+    if (name == "position") return;
+    out = values_.data();
+    for (const std::int32_t i : local_) {
+      const Vec3 home = reference_position(model_, nodes.id[i]);
+      for (int d = 0; d < 3; ++d) *out++ -= home[d];
+    }
+  }
+}
+
+void FrameWriter::fill_elements(const std::string& name) {
+  values_.resize(live_.size() * static_cast<std::size_t>(components_of(name)));
+  double* out = values_.data();
+  for (const PartModel& part : model_.parts) out = copy_elements_of(*part.store, name, out);
+}
+
+void FrameWriter::write(double time, ResultsWriter& results) {
+  results.begin_frame(time, list_entities());
+  fill_nodes("position");
+  results.add_points(owned_, values_);
+  results.add_alive(live_);
+  for (const std::string& name : output_.node_fields) {
+    fill_nodes(name);
+    results.add_node_field(name, name == "mass" ? 1 : 3, owned_, values_);
+  }
+  for (const std::string& name : output_.element_fields) {
+    fill_elements(name);
+    results.add_element_field(name, components_of(name), live_, values_);
   }
   results.end_frame();
 }

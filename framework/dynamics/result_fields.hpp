@@ -11,7 +11,24 @@ namespace kerf {
 /// Global connectivity of the undeformed mesh: this rank's even share of all elements. Collective.
 void write_topology(const Model& model, ResultsWriter& results);
 
-/// One frame with the fields that the input names. Collective.
-void write_frame(const Model& model, const OutputInput& output, double time, ResultsWriter& results);
+/// Writes frames with the fields that the input names.
+class FrameWriter {
+ public:
+  FrameWriter(const Model& model, const OutputInput& output) : model_(model), output_(output) {}
+  /// Collective.
+  void write(double time, ResultsWriter& results);
+
+ private:
+  bool list_entities();
+  void fill_nodes(const std::string& name);
+  void fill_elements(const std::string& name);
+
+  const Model& model_;
+  const OutputInput& output_;
+  std::vector<std::int64_t> arrangement_;  // of nodes and parts, as listed
+  std::vector<std::int64_t> owned_, live_;  // ids
+  std::vector<std::int32_t> local_;  // numbers of the owned nodes
+  std::vector<double> values_;  // of one field; kept because touching fresh memory costs as much as writing it
+};
 
 }  // namespace kerf

@@ -95,7 +95,7 @@ class ResultsWriter::Impl {
 
   void write_topology(std::span<const std::int64_t> elements, std::span<const std::int64_t> nodes,
                       std::span<const std::int32_t> parts, const std::vector<std::string>& part_names);
-  void begin_frame(double time);
+  void begin_frame(double time, bool same_entities);
   void add_points(std::span<const std::int64_t> gids, std::span<const double> positions);
   void add_field(Entities& kind, const std::string& name, int components, std::span<const std::int64_t> gids,
                  std::span<const double> values);
@@ -282,14 +282,14 @@ void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements,
 // ---------------------------------------------------------------------------------------------------------
 // Frames
 
-void ResultsWriter::Impl::begin_frame(double time) {
+void ResultsWriter::Impl::begin_frame(double time, bool same_entities) {
   require(has_topology_, "the topology has to be written before the first frame");
   require(!in_frame_, "a frame has to end before the next begins");
   in_frame_ = true;
   has_points_ = false;
   time_ = time;
   for (Entities* kind : {&nodes_, &elements_}) {
-    kind->plans.forget();
+    if (!same_entities) kind->plans.forget();
     for (auto& [name, series] : kind->series) series.written = false;
   }
 }
@@ -413,7 +413,7 @@ void ResultsWriter::write_topology(std::span<const std::int64_t> elements, std::
                                    std::span<const std::int32_t> parts, const std::vector<std::string>& part_names) {
   impl_->write_topology(elements, nodes, parts, part_names);
 }
-void ResultsWriter::begin_frame(double time) { impl_->begin_frame(time); }
+void ResultsWriter::begin_frame(double time, bool same_entities) { impl_->begin_frame(time, same_entities); }
 void ResultsWriter::add_points(std::span<const std::int64_t> owned_nodes, std::span<const double> positions) {
   impl_->add_points(owned_nodes, positions);
 }

@@ -7,6 +7,7 @@
 namespace kerf {
 
 void Model::index_nodes() {
+  ++node_arrangement_;
   by_id_.resize(nodes.id.size());
   std::iota(by_id_.begin(), by_id_.end(), 0);
   std::sort(by_id_.begin(), by_id_.end(), [&](std::int32_t a, std::int32_t b) { return nodes.id[a] < nodes.id[b]; });

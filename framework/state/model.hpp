@@ -66,10 +66,14 @@ struct Model {
   }
   /// Local index of a node id, -1 where this rank has no copy.
   std::int32_t local_node(std::int64_t id) const;
+  /// To be called whenever local nodes came, went or changed places.
   void index_nodes();
+  /// Another number after every call of index_nodes().
+  std::int64_t node_arrangement() const { return node_arrangement_; }
 
  private:
   std::vector<std::int32_t> by_id_;  // local nodes in the order of their ids
+  std::int64_t node_arrangement_ = 0;
   int n_ranks_ = 1, rank_ = 0;
 };
 

@@ -52,6 +52,7 @@ void PartStore::initial_record(double element_mass, double* record) const {
 }
 
 void PartStore::resize(int n_slots) {
+  ++arrangement_;
   n_slots_ = n_slots;
   const std::size_t padded = static_cast<std::size_t>(n_blocks()) * lane_width;
   ids_.assign(padded, -1);
@@ -74,6 +75,7 @@ void PartStore::make_room(int n_elements) {
 }
 
 void PartStore::put(int slot, std::int64_t id, const std::array<std::int32_t, 8>& nodes, const double* record) {
+  ++arrangement_;
   ids_[slot] = id;
   for (int k = 0; k < 8; ++k) nodes_[node_index(slot, k)] = nodes[k];
   for (Field& f : fields_)
@@ -92,10 +94,12 @@ void PartStore::set_dummies(std::int32_t first_dummy, double dummy_mass, double 
 void PartStore::retire(int slot, std::int32_t first_dummy) {
   KERF_ASSERT(ids_[slot] >= 0 && first_dummy == first_dummy_, "only live elements can be retired");
   clear_slot(slot);
+  ++arrangement_;
   --n_live_;
 }
 
 std::vector<std::int32_t> PartStore::compact() {
+  ++arrangement_;
   std::vector<std::int32_t> moved(static_cast<std::size_t>(n_slots_), -1);
   int next = 0;
   for (int s = 0; s < n_slots_; ++s) {

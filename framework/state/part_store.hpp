@@ -53,6 +53,8 @@ class PartStore {
   int n_slots() const { return n_slots_; }
   int n_blocks() const { return (n_slots_ + lane_width - 1) / lane_width; }
   int n_live() const { return n_live_; }
+  /// Another number whenever elements came, went or changed places.
+  std::int64_t arrangement() const { return arrangement_; }
   std::int64_t id(int slot) const { return ids_[slot]; }
   bool live(int slot) const { return ids_[slot] >= 0; }
 
@@ -89,6 +91,7 @@ class PartStore {
   void clear_slot(int slot);
 
   int index_ = 0, n_slots_ = 0, n_live_ = 0, record_size_ = 0;
+  std::int64_t arrangement_ = 0;
   std::int32_t first_dummy_ = 0;
   double dummy_mass_ = 1.0, dummy_volume_ = 1.0;
   std::vector<std::int64_t> ids_;
