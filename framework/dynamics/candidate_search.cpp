@@ -108,6 +108,19 @@ class Around {
 struct PartFacets {
   std::vector<std::int32_t> facet;  // in the order of the trees
   FacetTree others, own;
+
+  void finish() {
+    others.finish();
+    own.finish();
+  }
+};
+
+/// Facets with other boxes than before, and clusters of slaves with such.
+struct Changed {
+  std::vector<std::int32_t> boxes, own_boxes;
+  std::vector<char> clusters, own_clusters;  // per cluster, whether
+
+  explicit Changed(std::size_t n_clusters) : clusters(n_clusters, 0), own_clusters(n_clusters, 0) {}
 };
 
 /// Consecutive slaves of one part, which are neighbours as a rule: most facets are far from all of them.
@@ -115,6 +128,14 @@ struct SlaveCluster {
   static constexpr std::size_t size = 16;
   Box box, own_box;
   std::vector<std::int32_t> slaves;
+
+  void enclose(const std::vector<ContactNodeRecord>& all) {
+    box = own_box = {};
+    for (const std::int32_t s : slaves) {
+      box.include(all[s].box);
+      own_box.include(all[s].own_box);
+    }
+  }
 };
 
 }  // namespace
@@ -132,6 +153,7 @@ struct CandidateSearch::Tables {
   Around around;
   std::vector<PartFacets> parts;
   std::vector<std::int32_t> late;  // facets that the trees have not, or not in their present size
+  std::vector<std::size_t> branches;  // of a tree, that a cluster meets; kept for its memory
   std::vector<SlaveCluster> clusters;
   std::vector<std::int32_t> cluster_of;  // per slave
   std::vector<std::int32_t> open_cluster;  // per part: the one that has room for another slave, or -1
@@ -164,22 +186,29 @@ struct CandidateSearch::Tables {
     for (std::size_t i = 0; i < slaves.size(); ++i) join(static_cast<std::int32_t>(i));
     around.build(corners, ids, numbering.size());
     plant_trees();
-    std::vector<std::size_t> branches;
-    for (const SlaveCluster& cluster : clusters) find_all(cluster, branches);
+    for (const SlaveCluster& cluster : clusters) find_all(cluster);
   }
 
   void plant_trees() {
+    for (PartFacets& p : parts) p = {};
     for (std::size_t f = 0; f < facets.size(); ++f) {
+      if (role[f] == 0) continue;
       const auto part = static_cast<std::size_t>(facets[f].part);
       if (part >= parts.size()) parts.resize(part + 1);
       parts[part].facet.push_back(static_cast<std::int32_t>(f));
       parts[part].others.add(facets[f].box);
       if (same_part) parts[part].own.add(facets[f].own_box);
     }
-    for (PartFacets& p : parts) {
-      p.others.finish();
-      p.own.finish();
-    }
+    for (PartFacets& p : parts) p.finish();
+    late.clear();
+  }
+  /// Trees over what has changed, for every part; not for finding facets.
+  std::vector<PartFacets> trees_of(const Changed& changed) const {
+    std::vector<PartFacets> trees(parts.size());
+    for (const std::int32_t f : changed.boxes) trees[facets[f].part].others.add(facets[f].box);
+    for (const std::int32_t f : changed.own_boxes) trees[facets[f].part].own.add(facets[f].own_box);
+    for (PartFacets& p : trees) p.finish();
+    return trees;
   }
   Corners corners_of(const ContactFacetRecord& facet) {
     Corners c;
@@ -239,10 +268,11 @@ struct CandidateSearch::Tables {
     found[s].push_back(f);
   }
   /// Pairs of a cluster of slaves with the facets of the search.
-  void find_all(const SlaveCluster& cluster, std::vector<std::size_t>& branches) {
+  void find_all(const SlaveCluster& cluster, bool among_others = true, bool among_own = true) {
     const std::int32_t part = slaves[cluster.slaves.front()].part;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == part;
+      if (!(own ? among_own : among_others)) continue;
       const FacetTree& tree = own ? parts[p].own : parts[p].others;
       branches.clear();
       tree.each_branch(own ? cluster.own_box : cluster.box, [&](std::size_t b) { branches.push_back(b); });
@@ -315,6 +345,33 @@ struct CandidateSearch::Tables {
         if (own) fresh_own.each(slaves[s].own_box, [&](std::size_t k) { take(true, k); });
         if (found[s].size() != before) settle(s);
       }
+    }
+  }
+  /// Whether a cluster meets one of the facets in some trees, of its own part or of others.
+  bool meets_any(const SlaveCluster& cluster, const std::vector<PartFacets>& trees, bool own) const {
+    const auto part = static_cast<std::size_t>(slaves[cluster.slaves.front()].part);
+    bool meets = false;
+    for (std::size_t p = 0; p < trees.size() && !meets; ++p)
+      if ((p == part) == own)
+        (own ? trees[p].own : trees[p].others).each(own ? cluster.own_box : cluster.box, [&](std::size_t) {
+          meets = true;
+        });
+    return meets;
+  }
+  /// Plants the trees anew, and finds anew what slaves with other boxes, and slaves near facets with other boxes, meet.
+  void find_changed(const Changed& changed) {
+    plant_trees();
+    const std::vector<PartFacets> trees = trees_of(changed);
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+      SlaveCluster& cluster = clusters[c];
+      if (changed.clusters[c] || changed.own_clusters[c]) cluster.enclose(slaves);
+      const bool others = changed.clusters[c] || meets_any(cluster, trees, false);
+      const bool own = same_part && (changed.own_clusters[c] || meets_any(cluster, trees, true));
+      if (!others && !own) continue;
+      const std::int32_t part = slaves[cluster.slaves.front()].part;
+      for (const std::int32_t s : cluster.slaves)
+        std::erase_if(found[s], [&](std::int32_t f) { return facets[f].part == part ? own : others; });
+      find_all(cluster, others, own);
     }
   }
   /// Finds anew all pairs of the slaves before `end` that are among some nodes.
@@ -524,6 +581,36 @@ void CandidateSearch::refresh(const std::vector<ContactFacetRecord>& facets,
   }
   t.find_new(first_new);
   t.find_round(affected, static_cast<std::int32_t>(t.slaves.size()));
+}
+
+void CandidateSearch::renew(const std::vector<ContactFacetRecord>& facets,
+                            const std::vector<ContactNodeRecord>& slaves) {
+  Tables& t = *tables_;
+  Changed changed(t.clusters.size());
+  std::vector<std::int32_t> affected;
+  for (const ContactFacetRecord& facet : facets) {
+    const std::size_t f = t.number_of_facet(facet.id);
+    const bool fresh = f == t.facets.size();
+    if (fresh) t.add(facet, affected);
+    ContactFacetRecord& known = t.facets[f];
+    if (fresh || !(known.box == facet.box)) changed.boxes.push_back(static_cast<std::int32_t>(f));
+    if (fresh || !(known.own_box == facet.own_box)) changed.own_boxes.push_back(static_cast<std::int32_t>(f));
+    known.box = facet.box;
+    known.own_box = facet.own_box;
+  }
+  t.resize();
+  for (const ContactNodeRecord& slave : slaves) {
+    const std::int32_t n = t.numbering.number(slave.id, slave.local), s = t.slave_of[n];
+    KERF_ASSERT(s >= 0, "a slave stays on the rank that its home is in");
+    ContactNodeRecord& known = t.slaves[s];
+    if (!(known.box == slave.box)) changed.clusters[t.cluster_of[s]] = 1;
+    if (!(known.own_box == slave.own_box)) changed.own_clusters[t.cluster_of[s]] = 1;
+    known.box = slave.box;
+    known.own_box = slave.own_box;
+  }
+  for (const std::int32_t n : affected)  // the facets round them are others
+    if (t.slave_of[n] >= 0) changed.own_clusters[t.cluster_of[t.slave_of[n]]] = 1;
+  t.find_changed(changed);
 }
 
 bool CandidateSearch::stale() const {

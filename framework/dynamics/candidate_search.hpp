@@ -41,11 +41,13 @@ class CandidateSearch {
   /// Slaves that are known here, and facets that need not be, get other boxes. The candidates are then those of a
   /// search with the new boxes, and perhaps some more.
   void refresh(const std::vector<ContactFacetRecord>& facets, const std::vector<ContactNodeRecord>& slaves);
+  /// The same for many at once: what grew or came late since the search does not make later calls dearer any more.
+  void renew(const std::vector<ContactFacetRecord>& facets, const std::vector<ContactNodeRecord>& slaves);
   /// Valid until the next call. Nodes and facets keep their places in the lists until the next search: what is referred
   /// to for the first time comes last, and what is not referred to any more stays. Where records come from several
   /// ranks and new nodes had to be listed, so are those on the far side of all facets' elements.
   const Candidates& candidates();
-  /// Whether so many facets came or grew since the search that another one costs less than going on.
+  /// Whether so many facets came or grew since the search or renewal that another one costs less than going on.
   bool stale() const;
 
  private:

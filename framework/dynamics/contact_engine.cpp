@@ -19,6 +19,8 @@ namespace {
 
 constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
 constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
+constexpr std::int64_t renewals = 5;  // intervals from one search of everything to the next
+constexpr double most_renewed = 0.5;  // of a rank's nodes, that a renewal takes less time with than a search
 
 }  // namespace
 
@@ -253,28 +255,37 @@ void ContactEngine::connect(const Model& model, bool fresh) {
   load_.force.assign(4 * load_.nodes.size(), 0);
 }
 
-/// Mean velocity of the exterior nodes of all parts and of each. Only the size of the boxes depends on it.
+/// Velocity that most of the exterior nodes of each part have: the mean of those that differ little from it. The part with
+/// the most nodes, which rests as a rule, gives the common frame. Only the size of the boxes depends on it, and how long
+/// they can be kept. Collective.
 void ContactEngine::choose_references(const Model& model, const std::vector<std::int32_t>& surface) {
-  const std::size_t n = model.parts.size() + 1;
-  std::vector<double> sums(4 * n, 0.0);
-  for (const std::int32_t i : surface) {
-    if (!model.nodes.owned[i] || model.nodes.free[i]) continue;
-    const Vec3 v = model.nodes.v(i);
-    for (const std::size_t at : {std::size_t{0}, static_cast<std::size_t>(model.nodes.part[i]) + 1}) {
-      for (int d = 0; d < 3; ++d) sums[4 * at + d] += v[d];
-      sums[4 * at + 3] += 1.0;
+  constexpr int n_rounds = 4;
+  part_velocities_.assign(model.parts.size(), {});
+  std::vector<double> within(model.parts.size(), 1e300);  // square of the difference up to which nodes count [m2/s2]
+  for (int round = 0; round < n_rounds; ++round) {
+    std::vector<double> sums(5 * model.parts.size(), 0.0);
+    for (const std::int32_t i : surface) {
+      if (!model.nodes.owned[i] || model.nodes.free[i]) continue;
+      const auto part = static_cast<std::size_t>(model.nodes.part[i]);
+      const Vec3 v = model.nodes.v(i), from_mean = v - part_velocities_[part];
+      if (dot(from_mean, from_mean) > within[part]) continue;
+      const double terms[5] = {v.x, v.y, v.z, dot(v, v), 1.0};
+      for (int k = 0; k < 5; ++k) sums[5 * part + k] += terms[k];
+    }
+    // On rank 0 and back, because all ranks must use the same bits.
+    std::vector<double> totals(sums.size());
+    MPI_Reduce(sums.data(), totals.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, 0, model.comm);
+    MPI_Bcast(totals.data(), static_cast<int>(totals.size()), MPI_DOUBLE, 0, model.comm);
+    double most = 0.0;
+    for (std::size_t p = 0; p < model.parts.size(); ++p) {
+      const double* total = &totals[5 * p];
+      if (!(total[4] > 0.0)) continue;
+      part_velocities_[p] = Vec3{total[0], total[1], total[2]} * (1.0 / total[4]);
+      within[p] = total[3] / total[4] - dot(part_velocities_[p], part_velocities_[p]);
+      if (total[4] > most) drift_velocity_ = part_velocities_[p];
+      most = std::max(most, total[4]);
     }
   }
-  // On rank 0 and back, because all ranks must use the same bits.
-  std::vector<double> totals(sums.size());
-  MPI_Reduce(sums.data(), totals.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, 0, model.comm);
-  MPI_Bcast(totals.data(), static_cast<int>(totals.size()), MPI_DOUBLE, 0, model.comm);
-  part_velocities_.assign(model.parts.size(), {});
-  for (std::size_t at = 0; at < n; ++at)
-    for (int d = 0; d < 3; ++d) {
-      const double mean = totals[4 * at + 3] > 0.0 ? totals[4 * at + d] / totals[4 * at + 3] : 0.0;
-      (at == 0 ? drift_velocity_ : part_velocities_[at - 1])[d] = mean;
-    }
 }
 
 void ContactEngine::search(Model& model, const Step& step) {
@@ -282,12 +293,12 @@ void ContactEngine::search(Model& model, const Step& step) {
   drop_mirrored(model, exterior);
   const std::vector<std::int32_t> surface = surface_nodes(model, exterior);
   choose_references(model, surface);
-  horizon_ = static_cast<double>(law_.search_interval + 1) * step.dt;
   slack_ = 0.002 * model.dummy_edge;  // about 3 % of the longest edge
-  last_search_ = step.cycle;
+  last_search_ = last_renewal_ = step.cycle;
   valid_ = true;
 
   search_time_ = step.end();
+  horizon_ = search_time_ + static_cast<double>(law_.search_interval + 1) * step.dt;
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
   std::vector<ContactNodeRecord> slaves;
@@ -302,13 +313,13 @@ void ContactEngine::search(Model& model, const Step& step) {
   if (plan_) count_candidates(model);
 }
 
-/// Foresees anew where nodes that have left their boxes may be, and looks for what they and the facets round them may
-/// touch. False if that takes a search. Collective.
-bool ContactEngine::refresh(Model& model, const Step& step) {
+/// Foresees anew where nodes that have left their boxes, or will, may be, and looks for what they and the facets round
+/// them may touch. False if that takes a search. Collective.
+bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_leave) {
   std::vector<ContactNodeRecord> slaves;
   std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
-  for (const std::int32_t k : strays_) {
-    foresee(model, tracked_[k], step.end());
+  for (const auto& [k, boxes] : strays_) {
+    foresee(model, tracked_[k], step.end(), boxes);
     stray[tracked_[k].node] = 1;
     add_slave(model, tracked_[k], slaves);
   }
@@ -325,9 +336,38 @@ bool ContactEngine::refresh(Model& model, const Step& step) {
     if (reach_of(model, slaves) > slave_reach_) return false;
     send(model, slaves, facets);
   }
-  search_->refresh(facets, slaves);
+  if (all_that_will_leave)
+    search_->renew(facets, slaves);
+  else
+    search_->refresh(facets, slaves);
   connect(model, false);
   return true;
+}
+
+/// Sees to it that whatever may touch in this cycle is among the candidates, as long as that costs less than a search.
+/// False if it takes one. Collective.
+bool ContactEngine::keep_complete(Model& model, const Step& step) {
+  enum : std::int64_t { nothing, strays, renewal, everything };
+  const bool due = step.cycle - last_renewal_ >= law_.search_interval;
+  std::int64_t mine = nothing;
+  if (!valid_ || (due && step.cycle - last_search_ >= renewals * law_.search_interval)) {
+    mine = everything;
+  } else if (due || search_->stale()) {
+    mine = renewal;
+  } else {
+    find_strays(model, step);
+    if (!strays_.empty()) mine = strays;
+    if (strays_.size() > std::max(tracked_.size() / 100, std::size_t{64})) mine = renewal;
+  }
+  const std::int64_t need = greatest(model.comm, mine);
+  if (need == nothing) return true;
+  if (need == everything) return false;
+  if (need == strays) return refresh(model, step, false);
+  last_renewal_ = step.cycle;
+  horizon_ = step.end() + static_cast<double>(law_.search_interval + 1) * step.dt;
+  find_outgrown(model, step);
+  const bool many = static_cast<double>(strays_.size()) > most_renewed * static_cast<double>(tracked_.size());
+  return greatest(model.comm, std::int64_t{many ? 1 : 0}) == 0 && refresh(model, step, true);
 }
 
 bool ContactEngine::takes_free(const Model& model, int node) const {
@@ -417,12 +457,7 @@ ContactView ContactEngine::view(double dt) const {
 void ContactEngine::add_forces(Model& model, const Step& step, Timers& timers) {
   {
     const auto scope = timers.measure("contact_search");
-    const bool due = !valid_ || step.cycle - last_search_ >= law_.search_interval || search_->stale();
-    strays_.clear();
-    if (!due) find_strays(model, step);
-    const bool many = strays_.size() > std::max(tracked_.size() / 100, std::size_t{64});
-    const std::int64_t need = greatest(model.comm, std::int64_t{due || many ? 2 : strays_.empty() ? 0 : 1});
-    if (need == 2 || (need == 1 && !refresh(model, step))) search(model, step);
+    if (!keep_complete(model, step)) search(model, step);
   }
   const auto scope = timers.measure("contact_forces");
   pull(model);

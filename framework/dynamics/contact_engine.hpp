@@ -49,13 +49,21 @@ class ContactEngine {
     Vec3 home;
     std::int32_t node = 0, part = 0;
   };
+  static constexpr unsigned in_common_frame = 1, in_own_frame = 2;
+  /// One of tracked_ that has left its boxes or is about to.
+  struct Stray {
+    std::int32_t tracked = 0;
+    unsigned boxes = 0;  // that it needs anew
+  };
   void search(Model& model, const Step& step);
+  bool keep_complete(Model& model, const Step& step);
   void find_strays(const Model& model, const Step& step);
-  bool refresh(Model& model, const Step& step);
+  void find_outgrown(const Model& model, const Step& step);
+  bool refresh(Model& model, const Step& step, bool all_that_will_leave);
   void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
   std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   Box whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const;
-  void foresee(const Model& model, Tracked& t, double time) const;
+  void foresee(const Model& model, Tracked& t, double time, unsigned boxes = in_common_frame | in_own_frame) const;
   bool track(const Model& model, int node, double time);
   bool takes_free(const Model& model, int node) const;
   void choose_references(const Model& model, const std::vector<std::int32_t>& surface);
@@ -83,12 +91,12 @@ class ContactEngine {
   std::unique_ptr<SpatialDecomposition> space_;
   std::vector<std::int64_t> n_candidates_;  // per local node that this rank owns, at the last search; or empty
   bool space_built_ = false, valid_ = false;
-  std::int64_t last_search_ = 0;
-  Vec3 drift_velocity_;  // mean velocity of the surface [m/s]
+  std::int64_t last_search_ = 0, last_renewal_ = 0;  // cycles
+  Vec3 drift_velocity_;  // of the part that has most of the surface [m/s]
   std::vector<Vec3> part_velocities_;  // the same of each part's [m/s]
-  double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;
+  double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
-  std::vector<std::int32_t> strays_;  // of tracked_, that have left their boxes
+  std::vector<Stray> strays_;
   std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1
   std::vector<std::uint64_t> on_mirror_;  // per local node: boundary conditions on whose plane of symmetry it lies
   std::unique_ptr<CandidateSearch> search_;

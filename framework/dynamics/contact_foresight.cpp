@@ -9,6 +9,7 @@ namespace kerf {
 namespace {
 
 constexpr double farthest = 31.0;  // how far a search looks ahead at most, in slacks: about the longest edge
+constexpr double kept_margin = 0.3;  // of a box that is kept at a renewal, round the way that is foretold, in slacks
 constexpr double unsteady = 0.25;  // share of a node's motion within its part that it may change by unforeseen
 
 }  // namespace
@@ -17,20 +18,20 @@ constexpr double unsteady = 0.25;  // share of a node's motion within its part t
 /// from a frame.
 Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const {
   const Vec3 here = position - frame * (time - search_time_);
-  Vec3 way = (velocity - frame) * std::max(search_time_ + horizon_ - time, 0.0);  // steps may have grown
+  Vec3 way = (velocity - frame) * std::max(horizon_ - time, 0.0);  // steps may have grown
   // Bounded: one racing node must not make boxes that hold the whole model. It will call for a search sooner.
   const double length = norm(way), most = farthest * slack_;
   if (length > most) way = way * (most / length);
   return Box::spanned(here, here + way, margin);
 }
 
-/// Foresees where a node may be until the next search.
-void ContactEngine::foresee(const Model& model, Tracked& t, double time) const {
+/// Foresees where a node may be until the next search or renewal.
+void ContactEngine::foresee(const Model& model, Tracked& t, double time, unsigned boxes) const {
   const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node), own = part_velocities_[t.part];
-  const double left = std::max(search_time_ + horizon_ - time, 0.0);
+  const double left = std::max(horizon_ - time, 0.0);
   const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
-  t.box = whereabouts(x, v, drift_velocity_, margin, time);
-  t.own_box = whereabouts(x, v, own, margin, time);
+  if ((boxes & in_common_frame) != 0) t.box = whereabouts(x, v, drift_velocity_, margin, time);
+  if ((boxes & in_own_frame) != 0) t.own_box = whereabouts(x, v, own, margin, time);
 }
 
 /// Adds a node to the tracked ones. False where it has no role in this contact.
@@ -61,7 +62,22 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
     __builtin_prefetch(
         &model.nodes.position[4 * static_cast<std::size_t>(tracked_[std::min(k + ahead, tracked_.size() - 1)].node)]);
     const Vec3 x = model.nodes.x(t.node);
-    if (!(t.box.holds(x - drift) & t.own_box.holds(x - way[t.part]))) strays_.push_back(static_cast<std::int32_t>(k));
+    if (!(t.box.holds(x - drift) & t.own_box.holds(x - way[t.part])))
+      strays_.push_back({static_cast<std::int32_t>(k), in_common_frame | in_own_frame});
+  }
+}
+
+/// Lists the nodes whose boxes are too small for what their velocities foretell until the horizon.
+void ContactEngine::find_outgrown(const Model& model, const Step& step) {
+  strays_.clear();
+  for (std::size_t k = 0; k < tracked_.size(); ++k) {
+    const Tracked& t = tracked_[k];
+    const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node);
+    const double margin = kept_margin * slack_;
+    unsigned outgrown = 0;
+    if (!t.box.contains(whereabouts(x, v, drift_velocity_, margin, step.end()))) outgrown |= in_common_frame;
+    if (!t.own_box.contains(whereabouts(x, v, part_velocities_[t.part], margin, step.end()))) outgrown |= in_own_frame;
+    if (outgrown != 0) strays_.push_back({static_cast<std::int32_t>(k), outgrown});
   }
 }
 
