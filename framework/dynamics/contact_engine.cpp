@@ -93,8 +93,9 @@ std::vector<std::int32_t> ContactEngine::surface_nodes(const Model& model,
 }
 
 /// The record of a tracked node, if this rank owns it and it is a slave.
-void ContactEngine::add_slave(const Model& model, const Tracked& t, std::vector<ContactNodeRecord>& records) const {
+void ContactEngine::add_slave(const Model& model, std::size_t tracked, std::vector<ContactNodeRecord>& records) const {
   const NodeStore& nodes = model.nodes;
+  const Tracked& t = tracked_[tracked];
   if (!nodes.owned[t.node]) return;
   ContactNodeRecord r;
   r.role = (slaves_.holds(nodes, t.node) ? 1u : 0u) | (request_.symmetric && masters_.holds(nodes, t.node) ? 2u : 0u);
@@ -102,7 +103,7 @@ void ContactEngine::add_slave(const Model& model, const Tracked& t, std::vector<
   r.id = nodes.id[t.node];
   r.box = t.box;
   r.own_box = t.own_box;
-  r.home = t.home;
+  r.home = home_[tracked];
   r.local = t.node;
   r.part = t.part;
   r.owner = model.rank();
@@ -301,10 +302,11 @@ void ContactEngine::search(Model& model, const Step& step) {
   horizon_ = search_time_ + static_cast<double>(law_.search_interval + 1) * step.dt;
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
+  home_.clear();
   std::vector<ContactNodeRecord> slaves;
   slaves.reserve(surface.size());
   for (const std::int32_t i : surface)
-    if (track(model, i, search_time_)) add_slave(model, tracked_.back(), slaves);
+    if (track(model, i, search_time_)) add_slave(model, tracked_.size() - 1, slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, exterior);
   if (model.n_ranks() > 1) distribute(model, slaves, facets);
   search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,
@@ -321,7 +323,7 @@ bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_l
   for (const auto& [k, boxes] : strays_) {
     foresee(model, tracked_[k], step.end(), boxes);
     stray[tracked_[k].node] = 1;
-    add_slave(model, tracked_[k], slaves);
+    add_slave(model, static_cast<std::size_t>(k), slaves);
   }
   std::vector<ExteriorFacet> round;
   for (const ExteriorFacet& f : model.surface.exterior(model)) {
@@ -382,7 +384,7 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
   drop_mirrored(model, opened);
   std::vector<ContactNodeRecord> slaves;  // nodes that join
   for (const std::int32_t i : surface_nodes(model, opened))
-    if (track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.back(), slaves);
+    if (track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.size() - 1, slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, opened);
   std::vector<std::int64_t> dead = dead_elements;
   if (model.n_ranks() > 1) {

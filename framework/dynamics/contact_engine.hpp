@@ -46,7 +46,6 @@ class ContactEngine {
   /// Where a node may be before the candidates become incomplete.
   struct Tracked {
     Box box, own_box;
-    Vec3 home;
     std::int32_t node = 0, part = 0;
   };
   static constexpr unsigned in_common_frame = 1, in_own_frame = 2;
@@ -67,7 +66,7 @@ class ContactEngine {
   bool track(const Model& model, int node, double time);
   bool takes_free(const Model& model, int node) const;
   void choose_references(const Model& model, const std::vector<std::int32_t>& surface);
-  void add_slave(const Model& model, const Tracked& t, std::vector<ContactNodeRecord>& records) const;
+  void add_slave(const Model& model, std::size_t tracked, std::vector<ContactNodeRecord>& records) const;
   double longest_edge(const std::int32_t* corners) const;
   bool collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& record) const;
   std::vector<ContactFacetRecord> collect_facets(const Model& model, const std::vector<ExteriorFacet>& facets) const;
@@ -96,6 +95,7 @@ class ContactEngine {
   std::vector<Vec3> part_velocities_;  // the same of each part's [m/s]
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
+  std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank
   std::vector<Stray> strays_;
   std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1
   std::vector<std::uint64_t> on_mirror_;  // per local node: boundary conditions on whose plane of symmetry it lies

@@ -1,6 +1,7 @@
 // Where the nodes of one contact definition may be until its next search, and which have left that.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "dynamics/contact_engine.hpp"
 
@@ -11,6 +12,27 @@ namespace {
 constexpr double farthest = 31.0;  // how far a search looks ahead at most, in slacks: about the longest edge
 constexpr double kept_margin = 0.3;  // of a box that is kept at a renewal, round the way that is foretold, in slacks
 constexpr double unsteady = 0.25;  // share of a node's motion within its part that it may change by unforeseen
+
+/// Asks for all three coordinates at once whether a node is in its box.
+class FrameOrigin {
+ public:
+  explicit FrameOrigin(Vec3 origin) : origin_{origin.x, origin.y, origin.z, 0.0} {}
+  /// In single precision, which errs by half a unit in the last place. Boxes leave room for that where they are
+  /// inflated.
+  bool sees_in(const Box& box, const double* position) const {
+    Four x;
+    std::memcpy(&x, position, sizeof x);
+    const Floats seen = __builtin_convertvector(x - origin_, Floats);
+    const Floats low{box.low[0], box.low[1], box.low[2], 0.0f}, high{box.high[0], box.high[1], box.high[2], 0.0f};
+    const auto inside = (seen >= low) & (seen <= high);
+    return (inside[0] & inside[1] & inside[2]) != 0;
+  }
+
+ private:
+  typedef double Four __attribute__((vector_size(32)));
+  typedef float Floats __attribute__((vector_size(16)));
+  Four origin_;
+};
 
 }  // namespace
 
@@ -43,7 +65,7 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   foresee(model, t, time);
   // A run that has become unstable must come as far as to the check that says so.
   const Vec3 centre{t.box.centre(0), t.box.centre(1), t.box.centre(2)};
-  if (norm(centre) < beyond) t.home = centre;
+  home_.push_back(norm(centre) < beyond ? centre : Vec3{});
   track_of_[node] = static_cast<std::int32_t>(tracked_.size());
   tracked_.push_back(t);
   return true;
@@ -53,16 +75,17 @@ bool ContactEngine::track(const Model& model, int node, double time) {
 void ContactEngine::find_strays(const Model& model, const Step& step) {
   strays_.clear();
   const double since = step.end() - search_time_;
-  std::vector<Vec3> way;
-  for (const Vec3 v : part_velocities_) way.push_back(v * since);
-  const Vec3 drift = drift_velocity_ * since;
+  std::vector<FrameOrigin> own;
+  for (const Vec3 v : part_velocities_) own.emplace_back(v * since);
+  const FrameOrigin common(drift_velocity_ * since);
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     constexpr std::size_t ahead = 16;  // far enough for a node's position to arrive
     const Tracked& t = tracked_[k];
-    __builtin_prefetch(
-        &model.nodes.position[4 * static_cast<std::size_t>(tracked_[std::min(k + ahead, tracked_.size() - 1)].node)]);
-    const Vec3 x = model.nodes.x(t.node);
-    if (!(t.box.holds(x - drift) & t.own_box.holds(x - way[t.part])))
+    const auto position = [&](std::size_t of) {
+      return &model.nodes.position[4 * static_cast<std::size_t>(tracked_[of].node)];
+    };
+    __builtin_prefetch(position(std::min(k + ahead, tracked_.size() - 1)));
+    if (!(common.sees_in(t.box, position(k)) & own[t.part].sees_in(t.own_box, position(k))))
       strays_.push_back({static_cast<std::int32_t>(k), in_common_frame | in_own_frame});
   }
 }
