@@ -48,11 +48,14 @@ class RandomSurface {
         }
     }
   }
-  /// Moves the boxes of one slave, and those of the facets round it, elsewhere.
+  /// Moves one of the boxes of a slave, or both, and those of the facets round it, elsewhere.
   void displace(std::vector<ContactFacetRecord>& changed, std::vector<ContactNodeRecord>& strays) {
     ContactNodeRecord& slave = slaves[random_() % slaves.size()];
     const Vec3 to{real(0.0, 7.0), real(0.0, 7.0), real(0.0, 7.0)};
-    slave.box = slave.own_box = Box::spanned(to, to + way(), 0.1);
+    const Box there = Box::spanned(to, to + way(), 0.1);
+    const auto which = random_() % 3;
+    if (which != 0) slave.box = there;
+    if (which != 1) slave.own_box = there;
     nodes_[slave.id] = slave;
     strays.push_back(slave);
     for (ContactFacetRecord& f : facets) {
@@ -300,7 +303,10 @@ TEST(CandidateSearch, misses_no_pair_when_nodes_stray) {
       for (std::size_t f = 0; f < surface.facets.size(); f += 5) changed.push_back(surface.facets[f]);
       for (int round = 0; round < 4; ++round) {
         for (int k = 0; k < 6; ++k) surface.displace(changed, strays);
-        search.refresh(changed, strays);
+        if (round % 2 == 0)
+          search.refresh(changed, strays);
+        else
+          search.renew(changed, strays);
         const std::string what = "seed " + std::to_string(seed) + ", round " + std::to_string(round);
         const std::set<Pair> found = pairs_of(search.candidates()), needed = all_pairs(surface, same_part);
         EXPECT_TRUE(std::includes(found.begin(), found.end(), needed.begin(), needed.end())) << what;
@@ -318,11 +324,15 @@ TEST(CandidateSearch, misses_no_pair_when_nodes_stray_and_the_surface_changes) {
       RandomSurface surface(seed);
       CandidateSearch search(surface.slaves, surface.facets, same_part, seed % 2 == 0 ? 0 : surface.n_nodes());
       for (int round = 0; round < 10; ++round) {
-        if (surface.random()() % 2 == 0) {
+        const auto event = surface.random()() % 4;
+        if (event < 2) {
           std::vector<ContactFacetRecord> changed;
           std::vector<ContactNodeRecord> strays;
           for (int k = 0; k < 5; ++k) surface.displace(changed, strays);
-          search.refresh(changed, strays);
+          if (event == 0)
+            search.refresh(changed, strays);
+          else
+            search.renew(changed, strays);
         } else {
           std::vector<std::int64_t> live = surface.live_elements(), dead;
           std::vector<ContactFacetRecord> opened;
