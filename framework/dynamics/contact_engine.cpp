@@ -20,6 +20,7 @@ namespace {
 constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
 constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
 constexpr std::int64_t renewals = 5;  // intervals from one search of everything to the next
+constexpr double spare_share = 0.05;  // of the edge of a rank's box of space, that slaves may leave it by till then
 constexpr double most_renewed = 0.5;  // of a rank's nodes, that a renewal takes less time with than a search
 
 }  // namespace
@@ -173,7 +174,11 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
     space_->build(model.comm, coordinates, weights);
     space_built_ = true;
   }
-  slave_reach_ = 1.5 * reach_of(model, slaves);  // leaves some for slaves that join before the next search
+  // Leaves some for slaves that join before the next search, and for the way that all make until then, as far as that
+  // does not send many facets to ranks that do not need them.
+  const double reach = reach_of(model, slaves);
+  const double way = 2.0 * static_cast<double>(renewals - 1) * reach;
+  slave_reach_ = 1.5 * reach + std::min(way, spare_share * extent_of(model, slaves) / std::cbrt(model.n_ranks()));
   send(model, slaves, facets);
 }
 
@@ -197,6 +202,20 @@ void ContactEngine::count_candidates(const Model& model) {
     counts[found_->slave[k]] = found_->candidates[k].end - found_->candidates[k].begin;
   n_candidates_.assign(static_cast<std::size_t>(model.nodes.n()), 0);
   plan_->push_add(counts.data(), 1, n_candidates_.data(), 1, 1);
+}
+
+/// Longest edge of the box round the homes of all slaves. Collective.
+double ContactEngine::extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
+  double longest = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    double low = beyond, high = -beyond;
+    for (const ContactNodeRecord& s : slaves) {
+      low = std::min(low, s.home[d]);
+      high = std::max(high, s.home[d]);
+    }
+    longest = std::max(longest, greatest(model.comm, high) + greatest(model.comm, -low));
+  }
+  return longest;
 }
 
 /// How far slaves reach out of the place that decides about their rank. Collective.

@@ -74,6 +74,7 @@ class ContactEngine {
   bool uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
               const std::vector<double>& weights) const;
   void count_candidates(const Model& model);
+  double extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
   double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);
