@@ -21,7 +21,6 @@ constexpr double candidate_work = 0.3;  // of a candidate between two searches, 
 constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
 constexpr std::int64_t renewals = 5;  // intervals from one search of everything to the next
 constexpr double spare_share = 0.05;  // of the edge of a rank's box of space, that slaves may leave it by till then
-constexpr double most_renewed = 0.5;  // of a rank's nodes, that a renewal takes less time with than a search
 
 }  // namespace
 
@@ -275,45 +274,13 @@ void ContactEngine::connect(const Model& model, bool fresh) {
   load_.force.assign(4 * load_.nodes.size(), 0);
 }
 
-/// Velocity that most of the exterior nodes of each part have: the mean of those that differ little from it. The part with
-/// the most nodes, which rests as a rule, gives the common frame. Only the size of the boxes depends on it, and how long
-/// they can be kept. Collective.
-void ContactEngine::choose_references(const Model& model, const std::vector<std::int32_t>& surface) {
-  constexpr int n_rounds = 4;
-  part_velocities_.assign(model.parts.size(), {});
-  std::vector<double> within(model.parts.size(), 1e300);  // square of the difference up to which nodes count [m2/s2]
-  for (int round = 0; round < n_rounds; ++round) {
-    std::vector<double> sums(5 * model.parts.size(), 0.0);
-    for (const std::int32_t i : surface) {
-      if (!model.nodes.owned[i] || model.nodes.free[i]) continue;
-      const auto part = static_cast<std::size_t>(model.nodes.part[i]);
-      const Vec3 v = model.nodes.v(i), from_mean = v - part_velocities_[part];
-      if (dot(from_mean, from_mean) > within[part]) continue;
-      const double terms[5] = {v.x, v.y, v.z, dot(v, v), 1.0};
-      for (int k = 0; k < 5; ++k) sums[5 * part + k] += terms[k];
-    }
-    // On rank 0 and back, because all ranks must use the same bits.
-    std::vector<double> totals(sums.size());
-    MPI_Reduce(sums.data(), totals.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, 0, model.comm);
-    MPI_Bcast(totals.data(), static_cast<int>(totals.size()), MPI_DOUBLE, 0, model.comm);
-    double most = 0.0;
-    for (std::size_t p = 0; p < model.parts.size(); ++p) {
-      const double* total = &totals[5 * p];
-      if (!(total[4] > 0.0)) continue;
-      part_velocities_[p] = Vec3{total[0], total[1], total[2]} * (1.0 / total[4]);
-      within[p] = total[3] / total[4] - dot(part_velocities_[p], part_velocities_[p]);
-      if (total[4] > most) drift_velocity_ = part_velocities_[p];
-      most = std::max(most, total[4]);
-    }
-  }
-}
-
 void ContactEngine::search(Model& model, const Step& step) {
   std::vector<ExteriorFacet> exterior = model.surface.exterior(model);
   drop_mirrored(model, exterior);
   const std::vector<std::int32_t> surface = surface_nodes(model, exterior);
   choose_references(model, surface);
   slack_ = 0.002 * model.dummy_edge;  // about 3 % of the longest edge
+  ++counts_.searches;
   last_search_ = last_renewal_ = step.cycle;
   valid_ = true;
 
@@ -371,7 +338,7 @@ bool ContactEngine::keep_complete(Model& model, const Step& step) {
   enum : std::int64_t { nothing, strays, renewal, everything };
   const bool due = step.cycle - last_renewal_ >= law_.search_interval;
   std::int64_t mine = nothing;
-  if (!valid_ || (due && step.cycle - last_search_ >= renewals * law_.search_interval)) {
+  if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) {
     mine = everything;
   } else if (due || search_->stale()) {
     mine = renewal;
@@ -383,12 +350,16 @@ bool ContactEngine::keep_complete(Model& model, const Step& step) {
   const std::int64_t need = greatest(model.comm, mine);
   if (need == nothing) return true;
   if (need == everything) return false;
-  if (need == strays) return refresh(model, step, false);
+  if (need == strays) {
+    ++counts_.refreshes;
+    return refresh(model, step, false);
+  }
   last_renewal_ = step.cycle;
   horizon_ = step.end() + static_cast<double>(law_.search_interval + 1) * step.dt;
   find_outgrown(model, step);
-  const bool many = static_cast<double>(strays_.size()) > most_renewed * static_cast<double>(tracked_.size());
-  return greatest(model.comm, std::int64_t{many ? 1 : 0}) == 0 && refresh(model, step, true);
+  const bool enough = refresh(model, step, true);
+  if (enough) ++counts_.renewals;
+  return enough;
 }
 
 bool ContactEngine::takes_free(const Model& model, int node) const {

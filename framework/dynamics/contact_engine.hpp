@@ -37,6 +37,11 @@ class ContactEngine {
   void add_forces(Model& model, const Step& step, Timers& timers);
   /// Forces of the last call on nodes that this rank owns.
   const ContactLoad& load() const { return load_; }
+  /// How often candidates were looked for, the same on all ranks.
+  struct Counts {
+    std::int64_t searches = 0, renewals = 0, refreshes = 0;
+  };
+  const Counts& counts() const { return counts_; }
   /// Sentence about a force that cannot be, or empty. Local.
   const std::string& trouble() const { return trouble_; }
   /// Sentences about bodies that overlap at the start. Collective; the same on all ranks.
@@ -98,6 +103,7 @@ class ContactEngine {
   std::vector<Tracked> tracked_;
   std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank
   std::vector<Stray> strays_;
+  Counts counts_;
   std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1
   std::vector<std::uint64_t> on_mirror_;  // per local node: boundary conditions on whose plane of symmetry it lies
   std::unique_ptr<CandidateSearch> search_;

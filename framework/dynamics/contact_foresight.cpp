@@ -17,8 +17,8 @@ constexpr double unsteady = 0.25;  // share of a node's motion within its part t
 class FrameOrigin {
  public:
   explicit FrameOrigin(Vec3 origin) : origin_{origin.x, origin.y, origin.z, 0.0} {}
-  /// In single precision, which errs by half a unit in the last place. Boxes leave room for that where they are
-  /// inflated.
+  /// In single precision, which may take a node for inside that is outside by half a unit in the last place. There is
+  /// room for that: facets' boxes are rounded outwards by two units or more once they have been inflated by the reach.
   bool sees_in(const Box& box, const double* position) const {
     Four x;
     std::memcpy(&x, position, sizeof x);
@@ -35,6 +35,42 @@ class FrameOrigin {
 };
 
 }  // namespace
+
+/// Velocity that most of the exterior nodes of each part have: the mean of those that differ little from it. The part
+/// with the most nodes, which rests as a rule, gives the common frame. Only the size of the boxes depends on it, and
+/// how long they can be kept. Collective.
+void ContactEngine::choose_references(const Model& model, const std::vector<std::int32_t>& surface) {
+  constexpr int n_rounds = 4;
+  constexpr double floor = 1e-6;  // of its own square, that a mean's uncertainty is not taken to be less than
+  part_velocities_.assign(model.parts.size(), {});
+  std::vector<double> within(model.parts.size(), 1e300);  // square of the difference up to which nodes count [m2/s2]
+  std::size_t largest = 0;
+  for (int round = 0; round < n_rounds; ++round) {
+    std::vector<double> sums(5 * model.parts.size(), 0.0);  // of differences from the last mean, their squares, nodes
+    for (const std::int32_t i : surface) {
+      if (!model.nodes.owned[i] || model.nodes.free[i]) continue;
+      const auto part = static_cast<std::size_t>(model.nodes.part[i]);
+      const Vec3 d = model.nodes.v(i) - part_velocities_[part];
+      if (dot(d, d) > within[part]) continue;
+      const double terms[5] = {d.x, d.y, d.z, dot(d, d), 1.0};
+      for (int k = 0; k < 5; ++k) sums[5 * part + k] += terms[k];
+    }
+    // On rank 0 and back, because all ranks must use the same bits.
+    std::vector<double> totals(sums.size());
+    MPI_Reduce(sums.data(), totals.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, 0, model.comm);
+    MPI_Bcast(totals.data(), static_cast<int>(totals.size()), MPI_DOUBLE, 0, model.comm);
+    for (std::size_t p = 0; p < model.parts.size(); ++p) {
+      const double* total = &totals[5 * p];
+      if (round == 0 && total[4] > totals[5 * largest + 4]) largest = p;
+      if (!(total[4] > 0.0)) continue;
+      const Vec3 shift = Vec3{total[0], total[1], total[2]} * (1.0 / total[4]);
+      part_velocities_[p] = part_velocities_[p] + shift;
+      within[p] =
+          std::max(total[3] / total[4] - dot(shift, shift), floor * dot(part_velocities_[p], part_velocities_[p]));
+    }
+  }
+  drift_velocity_ = part_velocities_.empty() ? Vec3{} : part_velocities_[largest];
+}
 
 /// The box of a node that is at a position at a time and may change its velocity somewhat, until the next search, seen
 /// from a frame.

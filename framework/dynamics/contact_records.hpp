@@ -1,8 +1,8 @@
 // What ranks tell each other about the contact surface at a search.
 //
-// Boxes hold where something may be until the next search. The first is seen from a frame that has moved with the mean
-// velocity of all parts since the search, and counts for pairs of different parts; the second from one that has moved
-// with the node's or facet's own part, and counts for pairs within it.
+// Boxes hold where something may be until they are renewed. The first is seen from a frame that has moved with the
+// largest part since the search, and counts for pairs of different parts; the second from one that has moved with the
+// node's or facet's own part, and counts for pairs within it.
 #pragma once
 
 #include <cstdint>

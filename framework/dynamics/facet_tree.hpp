@@ -77,8 +77,8 @@ class FacetTree {
       levels_.push_back(std::move(above));
     }
   }
-  /// Calls `visit(branch)` for all branches whose common box meets a box: for what is to be asked for several boxes that
-  /// are close together. A branch is a group of groups of facets.
+  /// Calls `visit(branch)` for all branches whose common box meets a box: for what is to be asked for several boxes
+  /// that are close together. A branch is a group of groups of facets.
   template <class Visit>
   void each_branch(const Box& box, const Visit& visit) const {
     if (!leaves_.empty()) descend(static_cast<int>(levels_.size()) - 1, 0, 0, box, visit);
@@ -87,9 +87,8 @@ class FacetTree {
   template <class Visit>
   void each_in(std::size_t branch, const Box& box, const Visit& visit) const {
     if (levels_.empty()) return each_in_group(branch, box, visit);
-    levels_[0][branch].each_meeting(box, [&](int l) {
-      each_in_group(branch * BoxGroup::size + static_cast<std::size_t>(l), box, visit);
-    });
+    levels_[0][branch].each_meeting(
+        box, [&](int l) { each_in_group(branch * BoxGroup::size + static_cast<std::size_t>(l), box, visit); });
   }
   template <class Visit>
   void each(const Box& box, const Visit& visit) const {
@@ -107,8 +106,9 @@ class FacetTree {
   template <class Visit>
   void descend(int level, int last, std::size_t group, const Box& box, const Visit& visit) const {
     if (level <= last) return visit(group);
-    levels_[static_cast<std::size_t>(level)][group].each_meeting(
-        box, [&](int l) { descend(level - 1, last, group * BoxGroup::size + static_cast<std::size_t>(l), box, visit); });
+    levels_[static_cast<std::size_t>(level)][group].each_meeting(box, [&](int l) {
+      descend(level - 1, last, group * BoxGroup::size + static_cast<std::size_t>(l), box, visit);
+    });
   }
 
   int n_ = 0;

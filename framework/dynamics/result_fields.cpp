@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assert.hpp"
 #include "dynamics/setup.hpp"
 
 namespace kerf {
@@ -140,6 +141,7 @@ void FrameWriter::fill_elements(const std::string& name) {
   values_.resize(live_.size() * static_cast<std::size_t>(components_of(name)));
   double* out = values_.data();
   for (const PartModel& part : model_.parts) out = copy_elements_of(*part.store, name, out);
+  KERF_ASSERT(out == values_.data() + values_.size(), "the live elements are those that were listed");
 }
 
 void FrameWriter::write(double time, ResultsWriter& results) {

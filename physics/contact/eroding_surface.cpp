@@ -204,7 +204,7 @@ struct ErodingSurface final : Contact {
            "the "
            "facet's longest edge")
         .by_default("0.6");
-    s.integer(&Contact::search_interval, "search_interval", positive, "cycles between two searches at most")
+    s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
         .by_default("10");
   }
 

@@ -77,7 +77,7 @@ struct SlideSurface final : Contact {
          "greatest penetration that is pushed back, over the lesser of the thickness V/A of the master element and the "
          "segment's longest edge")
         .by_default("1");
-    s.integer(&Contact::search_interval, "search_interval", positive, "cycles between two searches at most")
+    s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
         .by_default("10");
     s.rule("slave", "name at least one slave and one master",
            [](const SlideSurface& c) { return !c.slave.empty() && !c.master.empty(); });

@@ -306,8 +306,8 @@ struct Hex8 final : Element {
     p.viscous_work = -0.5 * (old_q + p.q) * volume_change;
     if (!uses_energy) return;
     const Lanes old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
-    const Lanes centred =
-        p.old_energy + p.work + p.viscous_work - 0.5 * (old_pressure + load_lanes(rows.pressure + lane)) * volume_change;
+    const Lanes centred = p.old_energy + p.work + p.viscous_work -
+                          0.5 * (old_pressure + load_lanes(rows.pressure + lane)) * volume_change;
     store_lanes(rows.energy + lane, centred * p.per_mass);
   }
 
@@ -451,7 +451,8 @@ struct Hex8 final : Element {
     for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);
     for (int a = 0; a < 4; ++a) {
       Lanes old[3];
-      for (int i = 0; i < 3; ++i) old[i] = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+      for (int i = 0; i < 3; ++i)
+        old[i] = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
       for (int i = 0; i < 3; ++i) {
         const Lanes turned = r[3 * i] * old[0] + r[3 * i + 1] * old[1] + r[3 * i + 2] * old[2];
         resist[i][a] = turned + growth * rate[i][a];

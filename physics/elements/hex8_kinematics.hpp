@@ -12,8 +12,8 @@ namespace kerf::hex8 {
 // Node renumberings under which the expression for the first node's gradient gives every other node's
 // (Flanagan & Belytschko 1981, table 3).
 inline constexpr int renumbered[8][8] = {{0, 1, 2, 3, 4, 5, 6, 7}, {1, 2, 3, 0, 5, 6, 7, 4}, {2, 3, 0, 1, 6, 7, 4, 5},
-                                  {3, 0, 1, 2, 7, 4, 5, 6}, {4, 7, 6, 5, 0, 3, 2, 1}, {5, 4, 7, 6, 1, 0, 3, 2},
-                                  {6, 5, 4, 7, 2, 1, 0, 3}, {7, 6, 5, 4, 3, 2, 1, 0}};
+                                         {3, 0, 1, 2, 7, 4, 5, 6}, {4, 7, 6, 5, 0, 3, 2, 1}, {5, 4, 7, 6, 1, 0, 3, 2},
+                                         {6, 5, 4, 7, 2, 1, 0, 3}, {7, 6, 5, 4, 3, 2, 1, 0}};
 
 /// Integral of dN/dx over the element, for all nodes (Flanagan & Belytschko 1981, eq. 79); cyclic in x, y, z.
 [[gnu::always_inline]] inline void integrate_gradient(const Lanes (&y)[8], const Lanes (&z)[8], Lanes (&b)[8]) {
@@ -110,14 +110,15 @@ struct Kinematics {
   k.length = k.volume / sqrt_of(2.0 * largest_eigenvalue(xx, yy, zz, xy, yz, zx) + 1e-300);
 }
 
-/// Strain increment and rotation of the step, both zero/unity to round-off under rigid motion: the gradient
-/// with respect to the end of the step, G, is carried to the mid-step configuration, G (I - G/2)^-1, and its
-/// skew part W turned into the rotation (I - W/2)^-1 (I + W/2) (Hughes & Winget 1980, eqs. 28 and 36).
-struct StepStrain {  // of a block
+/// Strain increments and rotations of a step, row by row.
+struct StepStrain {
   alignas(64) double strain[6][lane_width];
   alignas(64) double rotation[9][lane_width];
 };
 
+/// Strain increment and rotation of the step, both zero/unity to round-off under rigid motion: the gradient
+/// with respect to the end of the step, G, is carried to the mid-step configuration, G (I - G/2)^-1, and its
+/// skew part W turned into the rotation (I - W/2)^-1 (I + W/2) (Hughes & Winget 1980, eqs. 28 and 36).
 [[gnu::always_inline]] inline void strain_of_step(const Lanes (&l)[3][3], double dt, Lanes good, StepStrain& out,
                                                   int lane) {
   Lanes g[3][3];

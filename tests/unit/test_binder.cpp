@@ -295,7 +295,7 @@ TEST(Manifest, NamesWhatDiffers) {
   theirs.interface = interface_version + 1;
   theirs.size_of_plugin = 1;
   EXPECT_EQ(manifest_difference(theirs, this_manifest()),
-            "the interface version is 2 in the plugin and 1 here; the size of Plugin is 1 in the plugin and " +
+            "the interface version is 3 in the plugin and 2 here; the size of Plugin is 1 in the plugin and " +
                 std::to_string(sizeof(Plugin)) + " here");
 }
 

@@ -13,6 +13,10 @@ namespace {
 
 using namespace kerf;
 
+#ifdef KERF_EXPECTED_LANES
+static_assert(register_lanes == KERF_EXPECTED_LANES);
+#endif
+
 /// Numbers of all sizes below `limit`, among them whole ones, halves, and their neighbours.
 std::vector<double> samples(double limit) {
   std::vector<double> values = {0.0, -0.0, 0.5, 1.5, 2.5, std::nextafter(0.5, 0.0), std::nextafter(0.5, 1.0), 1e-300};

@@ -113,7 +113,7 @@ class Contact : public Plugin {
     names.insert(names.end(), r.masters.begin(), r.masters.end());
     return names;
   }
-  /// Cycles between two searches at most.
+  /// Cycles that candidates are looked for ahead.
   std::int64_t search_interval = 10;
 };
 

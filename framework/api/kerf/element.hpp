@@ -26,8 +26,8 @@ struct ForceScale {
 };
 
 /// One part on one rank as an element sees it. Arrays of nodes have four entries per node, the fourth unused;
-/// arrays of elements are blocked: [block][component][lane]. Lanes that hold no element point to dummy nodes
-/// and are computed like all others.
+/// arrays of elements are blocked: [block][component][lane]. All arrays begin on boundaries of 64 bytes. Lanes that
+/// hold no element point to dummy nodes and are computed like all others.
 struct ElementWork {
   // nodes
   const double* position = nullptr;  // [m]

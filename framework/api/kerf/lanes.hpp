@@ -38,7 +38,8 @@ template <class Work>
 }
 
 inline Lanes lanes(double v) { return Lanes{} + v; }
-/// Pre, here and below: `p` lies on a boundary of sizeof(Lanes).
+/// Pre, here and below: `p` lies on a boundary of sizeof(Lanes). Rows of a block that are declared alignas(64) do on
+/// every machine, and so do the arrays of ElementWork.
 inline Lanes load_lanes(const double* p) {
   Lanes v;
   std::memcpy(&v, __builtin_assume_aligned(p, sizeof v), sizeof v);
@@ -72,9 +73,7 @@ inline LanesInt round_to_int(Lanes a) {
 /// The same where |a| < small_limit.
 inline LanesInt round_small_to_int(Lanes a) { return round_to_int(a); }
 /// Bit l is set where lane l of a comparison's result is true.
-inline unsigned mask_of(LanesInt comparison) {
-  return _mm512_movepi64_mask(reinterpret_cast<__m512i>(comparison));
-}
+inline unsigned mask_of(LanesInt comparison) { return _mm512_movepi64_mask(reinterpret_cast<__m512i>(comparison)); }
 
 #else
 
@@ -191,8 +190,10 @@ inline void gather_vector(const double* nodal, const std::int32_t* node, Lanes& 
 /// Adds three vectors to x, y, z of a piece's nodes, lane after lane, so that lanes may share a node.
 inline void scatter_add(std::int64_t* nodal, const std::int32_t* node, LanesInt x, LanesInt y, LanesInt z) {
   const LanesInt zero{};
-  const LanesInt xy_even = __builtin_shufflevector(x, y, 0, 4, 2, 6), xy_odd = __builtin_shufflevector(x, y, 1, 5, 3, 7);
-  const LanesInt z_even = __builtin_shufflevector(z, zero, 0, 4, 2, 6), z_odd = __builtin_shufflevector(z, zero, 1, 5, 3, 7);
+  const LanesInt xy_even = __builtin_shufflevector(x, y, 0, 4, 2, 6),
+                 xy_odd = __builtin_shufflevector(x, y, 1, 5, 3, 7);
+  const LanesInt z_even = __builtin_shufflevector(z, zero, 0, 4, 2, 6),
+                 z_odd = __builtin_shufflevector(z, zero, 1, 5, 3, 7);
   detail::add_to_row(nodal, node[0], __builtin_shufflevector(xy_even, z_even, 0, 1, 4, 5));
   detail::add_to_row(nodal, node[1], __builtin_shufflevector(xy_odd, z_odd, 0, 1, 4, 5));
   detail::add_to_row(nodal, node[2], __builtin_shufflevector(xy_even, z_even, 2, 3, 6, 7));
