@@ -15,8 +15,11 @@ endif()
 
 # Loops over lanes are annotated with `omp simd`. These two floating-point flags give nearly all of what
 # -ffast-math would, and keep NaN, infinity and the order of operations, on which equal bits depend.
+# No lanes are peeled off a loop to reach an aligned address: a lane that is computed alone takes another log or exp,
+# or contracts otherwise, than its neighbours, and what an element gets would depend on where it stands.
 # -Wno-restrict: GCC 12 warns about its own std::string (GCC bug 105651).
-set(KERF_COMPILE_OPTIONS -Wall -Wextra -Wno-restrict -fopenmp-simd -fno-math-errno -fno-trapping-math)
+set(KERF_COMPILE_OPTIONS -Wall -Wextra -Wno-restrict -fopenmp-simd -fno-math-errno -fno-trapping-math
+                         --param=vect-max-peeling-for-alignment=0)
 if(KERF_NATIVE)
   list(APPEND KERF_COMPILE_OPTIONS -march=native)
 endif()

@@ -86,12 +86,14 @@ struct JohnsonCook final : Material {
   using StateRows = double[n_rows][lane_width];
   static_assert(n_doubles<State> == n_rows);
 
-  struct Block {
-    double dt, strain[6][lane_width], stress[6][lane_width], density[lane_width];
+  // The arrays begin on boundaries of cache lines: see PointwiseMaterial.
+  struct alignas(64) Block {
+    double strain[6][lane_width], stress[6][lane_width], density[lane_width];
     double q[lane_width];  // trial equivalent stress [Pa]
     double softening[lane_width];  // thermal factor at the start of the step
     double bound[lane_width];  // plastic increment if neither rate nor strain hardened; not positive: elastic
     double d[lane_width];  // plastic increment
+    double dt;  // [s]
   };
 
   /// x^exponent, 0 where x <= 1e-60. Pre: exponent > 0. select keeps zeros and underflow, which are slow, from log

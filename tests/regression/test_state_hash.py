@@ -17,6 +17,10 @@ MAY_DIFFER = {"ranks", "wall_seconds", "element_cycles_per_second", "timers", "r
 
 ROD = [SOURCE / "inputs/oblique_rod/oblique_rod.yaml", "parameters.cell_size=1.9 mm", "time.end=14 us"]
 TAYLOR = [SOURCE / "inputs/taylor_bar/taylor_bar.yaml", "parts.bar.mesh.cell_size=0.8 mm", "time.end=20 us"]
+# A law with logarithms and powers, whose lanes compilers are tempted to treat differently.
+JOHNSON_COOK = TAYLOR + [
+    "materials.copper.strength={type: johnson_cook, shear_modulus: 79.577 GPa, A: 806 MPa, B: 614 MPa, n: 0.168, "
+    "C: 0.0089, m: 1.1, specific_heat: 460, melting_temperature: 1813.15 K}"]
 # Small enough that every re-balance moves much, often enough that many fall between erosions.
 OFTEN = ["balance.force_interval=10", "output.results_interval=20 us"]
 
@@ -103,6 +107,12 @@ def test_oblique_rod_has_the_same_bits(rod, tmp_path, ranks, partitioner):
 def test_oblique_rod_erodes_both_bodies(rod):
     # Otherwise the tests above would show little.
     assert min(rod.summary["eroded"]["by_part"].values()) >= 5
+
+
+@pytest.mark.parametrize("ranks, partitioner", [(2, "zoltan_rcb"), (3, "zoltan_hsfc"), (5, "none")])
+def test_johnson_cook_bar_has_the_same_bits(tmp_path, ranks, partitioner):
+    reference = run(JOHNSON_COOK, tmp_path / "one", settings=OFTEN)
+    expect_same(run(JOHNSON_COOK, tmp_path / "many", ranks, OFTEN + partitioned(partitioner)), reference)
 
 
 @pytest.mark.parametrize("ranks, partitioner", [(2, "zoltan_rcb"), (3, "zoltan_hsfc"), (5, "zoltan_graph"), (5, "none")])

@@ -40,7 +40,7 @@ class PointwiseEos : public Eos {
  public:
   void evaluate(const EosBatch& b) const final {
     using State = typename LawType::State;
-    double density[lane_width], energy[lane_width], pressure[lane_width], modulus[lane_width];
+    alignas(64) double density[lane_width], energy[lane_width], pressure[lane_width], modulus[lane_width];
     detail::LaneVariables<State> state;
     for (int l = 0; l < lane_width; ++l) {
       density[l] = b.density[l];

@@ -50,8 +50,8 @@ class PointwiseErosion : public ErosionCriterion {
   void judge(const ErosionBatch& b) const final {
     using State = typename LawType::State;
     using Reads = typename LawType::Reads;
-    double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
-    double value[lane_width], failed[lane_width];
+    alignas(64) double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
+    alignas(64) double value[lane_width], failed[lane_width];
     detail::LaneVariables<State> state;
     detail::LaneVariables<Reads> reads;
     for (int l = 0; l < lane_width; ++l) {

@@ -48,7 +48,7 @@ inline void set_tensor(double (&rows)[6][lane_width], int lane, SymTensor t) {
 template <class Struct>
 struct LaneVariables {
   static constexpr int n = n_doubles<Struct>;
-  double values[n > 0 ? n : 1][lane_width];
+  alignas(64) double values[n > 0 ? n : 1][lane_width];
 
   void read(const double* memory) {
     for (int v = 0; v < n; ++v)

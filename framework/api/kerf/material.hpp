@@ -42,8 +42,9 @@ class PointwiseMaterial : public Material {
  public:
   void update(const MaterialBatch& b) const final {
     using State = typename LawType::State;
-    double strain[6][lane_width], stress[6][lane_width], modulus[lane_width];
-    double density[lane_width], energy[lane_width], pressure[lane_width];
+    // On boundaries of cache lines, so that no compiler peels lanes off the loop: those would be computed otherwise.
+    alignas(64) double strain[6][lane_width], stress[6][lane_width], modulus[lane_width];
+    alignas(64) double density[lane_width], energy[lane_width], pressure[lane_width];
     detail::LaneVariables<State> state;
     for (int k = 0; k < 6; ++k)
       for (int l = 0; l < lane_width; ++l) {
