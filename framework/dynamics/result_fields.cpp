@@ -94,11 +94,12 @@ void write_topology(const Model& model, ResultsWriter& results) {
   results.write_topology(ids, nodes, parts, names);
 }
 
-/// Lists what this rank holds, if that has changed. Returns whether it is as before.
+/// Lists what this rank holds, unless that is known. Returns whether it is as it was at the frame before.
 bool FrameWriter::list_entities() {
   std::vector<std::int64_t> now{model_.node_arrangement()};
   for (const PartModel& part : model_.parts) now.push_back(part.store->arrangement());
-  if (now == arrangement_) return true;
+  const bool same = now == arrangement_;
+  if (same && !(owned_.empty() && live_.empty())) return true;
   arrangement_ = now;
   owned_.clear();
   local_.clear();
@@ -111,7 +112,16 @@ bool FrameWriter::list_entities() {
   for (const PartModel& part : model_.parts)
     for (int s = 0; s < part.store->n_slots(); ++s)
       if (part.store->live(s)) live_.push_back(part.store->id(s));
-  return false;
+  return same;
+}
+
+/// Lists and values of large models do not lie about between frames.
+void FrameWriter::release() {
+  constexpr std::size_t large = std::size_t{16} << 20;
+  if (8 * (values_.capacity() + owned_.capacity() + live_.capacity()) <= large) return;
+  for (auto* list : {&owned_, &live_}) std::vector<std::int64_t>().swap(*list);
+  std::vector<std::int32_t>().swap(local_);
+  std::vector<double>().swap(values_);
 }
 
 void FrameWriter::fill_nodes(const std::string& name) {
@@ -158,6 +168,7 @@ void FrameWriter::write(double time, ResultsWriter& results) {
     results.add_element_field(name, components_of(name), live_, values_);
   }
   results.end_frame();
+  release();
 }
 
 }  // namespace kerf

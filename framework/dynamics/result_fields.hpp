@@ -20,12 +20,13 @@ class FrameWriter {
 
  private:
   bool list_entities();
+  void release();
   void fill_nodes(const std::string& name);
   void fill_elements(const std::string& name);
 
   const Model& model_;
   const OutputInput& output_;
-  std::vector<std::int64_t> arrangement_;  // of nodes and parts, as listed
+  std::vector<std::int64_t> arrangement_;  // of nodes and parts, at the last frame
   std::vector<std::int64_t> owned_, live_;  // ids
   std::vector<std::int32_t> local_;  // numbers of the owned nodes
   std::vector<double> values_;  // of one field; kept because touching fresh memory costs as much as writing it

@@ -289,7 +289,10 @@ void ResultsWriter::Impl::begin_frame(double time, bool same_entities) {
   has_points_ = false;
   time_ = time;
   for (Entities* kind : {&nodes_, &elements_}) {
-    if (!same_entities) kind->plans.forget();
+    if (same_entities)
+      kind->plans.expect_same();
+    else
+      kind->plans.forget();
     for (auto& [name, series] : kind->series) series.written = false;
   }
 }

@@ -39,7 +39,7 @@ class ResultsWriter {
   void write_topology(std::span<const std::int64_t> elements, std::span<const std::int64_t> nodes,
                       std::span<const std::int32_t> parts, const std::vector<std::string>& part_names);
 
-  /// With `same_entities`, all ids will be the same, at the same addresses, as in the frame before.
+  /// With `same_entities`, all ids of this rank will be the same as in the frame before.
   void begin_frame(double time, bool same_entities = false);
   /// Positions [m], three per node. Nodes that nobody holds any more keep their last written position.
   void add_points(std::span<const std::int64_t> owned_nodes, std::span<const double> positions);

@@ -172,16 +172,16 @@ std::vector<T> SlabExchange::from_slab(std::span<const std::type_identity_t<T>> 
 }
 
 const SlabExchange& SlabExchangeCache::get(MPI_Comm comm, std::int64_t n_global, std::span<const std::int64_t> gids) {
-  const bool untouched = place_ != nullptr && gids.data() == place_ && gids.size() == gids_.size();
-  int same = plan_ && plan_->n_global() == n_global &&
-             (untouched || std::equal(gids.begin(), gids.end(), gids_.begin(), gids_.end()));
-  place_ = gids.data();
+  const bool here = place_ == nullptr || place_ == gids.data();
+  int same = plan_ && current_ && here && plan_->n_global() == n_global &&
+             plan_->n_held() == static_cast<std::int64_t>(gids.size());
   MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_LAND, comm);
   if (!same) {
     plan_.reset();
     plan_ = std::make_unique<SlabExchange>(comm, n_global, gids);
-    gids_.assign(gids.begin(), gids.end());
   }
+  current_ = true;
+  place_ = gids.data();
   return *plan_;
 }
 

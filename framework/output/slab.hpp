@@ -73,17 +73,21 @@ class SlabExchange {
   std::vector<int> held_counts_, held_starts_, slot_counts_, slot_starts_;
 };
 
-/// Keeps the last plan and builds a new one only when some rank's gids have changed.
+/// Keeps the last plan, for the same gids, and builds a new one for others. It takes the caller's word for what is the
+/// same: copies of the gids to compare with would be as large as what is written.
 class SlabExchangeCache {
  public:
   /// Collective. The reference is valid until the next call. Ids that stand where those of the call before stood are
   /// taken to be the same, unless forget() was called.
   const SlabExchange& get(MPI_Comm comm, std::int64_t n_global, std::span<const std::int64_t> gids);
-  void forget() { place_ = nullptr; }
+  /// The next ids may be others.
+  void forget() { current_ = false; }
+  /// The next ids are the same, wherever they stand.
+  void expect_same() { place_ = nullptr; }
 
  private:
-  const std::int64_t* place_ = nullptr;
-  std::vector<std::int64_t> gids_;
+  bool current_ = false;
+  const std::int64_t* place_ = nullptr;  // null: anywhere
   std::unique_ptr<SlabExchange> plan_;
 };
 
