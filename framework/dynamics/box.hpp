@@ -30,9 +30,6 @@ struct Box {
     return (low[0] <= other.high[0]) & (high[0] >= other.low[0]) & (low[1] <= other.high[1]) &
            (high[1] >= other.low[1]) & (low[2] <= other.high[2]) & (high[2] >= other.low[2]);
   }
-  bool holds(Vec3 p) const {
-    return (p.x >= low[0]) & (p.x <= high[0]) & (p.y >= low[1]) & (p.y <= high[1]) & (p.z >= low[2]) & (p.z <= high[2]);
-  }
   bool operator==(const Box&) const = default;
   bool contains(const Box& other) const {
     return (low[0] <= other.low[0]) & (high[0] >= other.high[0]) & (low[1] <= other.low[1]) &
