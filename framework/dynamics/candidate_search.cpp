@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/assert.hpp"
-#include "dynamics/facet_tree.hpp"
+#include "dynamics/box_tree.hpp"
 #include "dynamics/surface_tables.hpp"
 
 namespace kerf {
@@ -15,7 +16,7 @@ namespace {
 /// The facets of one part, for slaves of other parts and for its own.
 struct PartFacets {
   std::vector<std::int32_t> facet;  // in the order of the trees
-  FacetTree others, own;
+  BoxTree others, own;
 
   void finish() {
     others.finish();
@@ -33,7 +34,7 @@ struct Changed {
 
 /// Consecutive slaves of one part, which are neighbours as a rule: most facets are far from all of them.
 struct SlaveCluster {
-  static constexpr std::size_t size = 16;
+  static constexpr std::int32_t size = 16;
   Box box, own_box;
   std::vector<std::int32_t> slaves;
 
@@ -63,7 +64,9 @@ struct CandidateSearch::Tables {
   std::vector<std::int32_t> late;  // facets that the trees have not, or not in their present size
   std::vector<std::size_t> branches;  // of a tree, that a cluster meets; kept for its memory
   std::vector<SlaveCluster> clusters;
-  std::vector<std::int32_t> cluster_of;  // per slave
+  std::vector<std::int32_t> place;  // per slave: its number in the next two, SlaveCluster::size to each cluster
+  BoxTree slave_boxes, slave_own_boxes;
+  std::vector<std::int32_t> slave_at;  // per place
   std::vector<std::int32_t> open_cluster;  // per part: the one that has room for another slave, or -1
   std::vector<std::vector<std::int32_t>> found;  // per slave: facets, sorted by id; dead ones are left in
   std::vector<std::int32_t> row_of;  // per slave: its row in the lists, or -1
@@ -91,7 +94,13 @@ struct CandidateSearch::Tables {
       corners.push_back(corners_of(facet));
     }
     number.reserve(slaves.size());
-    for (std::size_t i = 0; i < slaves.size(); ++i) join(static_cast<std::int32_t>(i));
+    for (std::size_t i = 0; i < slaves.size(); ++i) {
+      join(static_cast<std::int32_t>(i));
+      slave_boxes.set(static_cast<std::size_t>(place[i]), slaves[i].box);
+      slave_own_boxes.set(static_cast<std::size_t>(place[i]), slaves[i].own_box);
+    }
+    slave_boxes.finish();
+    slave_own_boxes.finish();
     around.build(corners, ids, numbering.size());
     plant_trees();
     for (const SlaveCluster& cluster : clusters) find_all(cluster);
@@ -130,15 +139,28 @@ struct CandidateSearch::Tables {
     slave_of[number[s]] = s;
     const auto part = static_cast<std::size_t>(slave.part);
     if (part >= open_cluster.size()) open_cluster.resize(part + 1, -1);
-    if (open_cluster[part] < 0 || clusters[open_cluster[part]].slaves.size() == SlaveCluster::size) {
+    if (open_cluster[part] < 0 ||
+        static_cast<std::int32_t>(clusters[open_cluster[part]].slaves.size()) == SlaveCluster::size) {
       open_cluster[part] = static_cast<std::int32_t>(clusters.size());
       clusters.emplace_back().slaves.reserve(SlaveCluster::size);
     }
     SlaveCluster& cluster = clusters[open_cluster[part]];
+    place.push_back(open_cluster[part] * SlaveCluster::size + static_cast<std::int32_t>(cluster.slaves.size()));
     cluster.slaves.push_back(s);
-    cluster_of.push_back(open_cluster[part]);
+    slave_at.resize(clusters.size() * SlaveCluster::size, -1);
+    slave_at[place[s]] = s;
     cluster.box.include(slave.box);
     cluster.own_box.include(slave.own_box);
+  }
+  std::int32_t cluster_of(std::int32_t s) const { return place[s] / SlaveCluster::size; }
+  /// Gives a slave other boxes, for which its cluster's only grow.
+  void put(std::int32_t s, const Box& box, const Box& own_box) {
+    slaves[s].box = box;
+    slaves[s].own_box = own_box;
+    slave_boxes.put(static_cast<std::size_t>(place[s]), box);
+    slave_own_boxes.put(static_cast<std::size_t>(place[s]), own_box);
+    clusters[cluster_of(s)].box.include(box);
+    clusters[cluster_of(s)].own_box.include(own_box);
   }
   void resize() {
     ring.resize(numbering.size(), 0);
@@ -159,6 +181,27 @@ struct CandidateSearch::Tables {
     return std::any_of(c.begin(), c.end(), [&](std::int32_t n) { return ring[n] == mark; });
   }
   void sort_by_id(std::vector<std::int32_t>& list) const {
+    constexpr std::size_t many = 64;
+    if (list.size() <= many) {
+      // One after another into their place, ids side by side.
+      std::int64_t key[many];
+      std::size_t n = 0;
+      for (const std::int32_t f : list) {
+        const std::int64_t id = ids[f];
+        std::size_t at = n;
+        while (at > 0 && key[at - 1] > id) --at;
+        if (at > 0 && key[at - 1] == id) continue;
+        for (std::size_t k = n; k > at; --k) {
+          key[k] = key[k - 1];
+          list[k] = list[k - 1];
+        }
+        key[at] = id;
+        list[at] = f;
+        ++n;
+      }
+      list.resize(n);
+      return;
+    }
     std::sort(list.begin(), list.end(), [&](std::int32_t a, std::int32_t b) { return ids[a] < ids[b]; });
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
@@ -181,7 +224,7 @@ struct CandidateSearch::Tables {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == part;
       if (!(own ? among_own : among_others)) continue;
-      const FacetTree& tree = own ? parts[p].own : parts[p].others;
+      const BoxTree& tree = own ? parts[p].own : parts[p].others;
       branches.clear();
       tree.each_branch(own ? cluster.own_box : cluster.box, [&](std::size_t b) { branches.push_back(b); });
       if (branches.empty()) continue;
@@ -205,7 +248,7 @@ struct CandidateSearch::Tables {
     bool marked = false;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == slaves[s].part;
-      const FacetTree& tree = own ? parts[p].own : parts[p].others;
+      const BoxTree& tree = own ? parts[p].own : parts[p].others;
       tree.each(own ? slaves[s].own_box : slaves[s].box,
                 [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
     }
@@ -221,50 +264,43 @@ struct CandidateSearch::Tables {
         meet(s, number_of_late, own, marked);
     }
   }
+  /// Whether the slave or one of the facets around it has a marked node.
+  bool ring_touches_marked(std::int32_t s) const {
+    if (ring[number[s]] == mark) return true;
+    for (const std::int32_t f : around.of(number[s]))
+      for (int k = 0; k < 4; ++k)
+        if (ring[corners[f][k]] == mark) return true;
+    return false;
+  }
   /// Pairs of all slaves with the late facets from the given one on.
   void find_new(std::size_t first) {
-    FacetTree fresh, fresh_own;
-    Box all, all_own;
+    std::vector<std::int32_t> touched;
     for (std::size_t k = first; k < late.size(); ++k) {
-      const ContactFacetRecord& f = facets[late[k]];
-      fresh.add(f.box);
-      fresh_own.add(f.own_box);
-      all.include(f.box);
-      all_own.include(f.own_box);
-    }
-    fresh.finish();
-    fresh_own.finish();
-    for (const SlaveCluster& cluster : clusters) {
-      const auto any = [](const FacetTree& tree, const Box& box, const Box& hull) {
-        bool meets = false;
-        if (box.meets(hull)) tree.each(box, [&](std::size_t) { meets = true; });
-        return meets;
+      const std::int32_t f = late[k];
+      const ContactFacetRecord& facet = facets[f];
+      ++mark;
+      for (const std::int32_t n : corners[f]) ring[n] = mark;
+      const auto take = [&](std::size_t at, bool own) {
+        const std::int32_t s = slave_at[at];
+        if ((role[f] & slaves[s].role) == 0 || (slaves[s].part == facet.part) != own) return;
+        if (own && ring_touches_marked(s)) return;
+        found[s].push_back(f);
+        touched.push_back(s);
       };
-      const bool others = any(fresh, cluster.box, all), own = same_part && any(fresh_own, cluster.own_box, all_own);
-      if (!others && !own) continue;
-      for (const std::int32_t s : cluster.slaves) {
-        const std::size_t before = found[s].size();
-        bool marked = false;
-        const auto take = [&](bool of_own, std::size_t k) {
-          const std::int32_t f = late[first + k];
-          if ((facets[f].part == slaves[s].part) == of_own) meet(static_cast<std::size_t>(s), f, of_own, marked);
-        };
-        if (others) fresh.each(slaves[s].box, [&](std::size_t k) { take(false, k); });
-        if (own) fresh_own.each(slaves[s].own_box, [&](std::size_t k) { take(true, k); });
-        if (found[s].size() != before) settle(s);
-      }
+      slave_boxes.each(facet.box, [&](std::size_t at) { take(at, false); });
+      if (same_part) slave_own_boxes.each(facet.own_box, [&](std::size_t at) { take(at, true); });
     }
+    std::sort(touched.begin(), touched.end());
+    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    for (const std::int32_t s : touched) settle(s);
   }
   /// Whether a cluster meets one of the facets in some trees, of its own part or of others.
   bool meets_any(const SlaveCluster& cluster, const std::vector<PartFacets>& trees, bool own) const {
     const auto part = static_cast<std::size_t>(slaves[cluster.slaves.front()].part);
-    bool meets = false;
-    for (std::size_t p = 0; p < trees.size() && !meets; ++p)
-      if ((p == part) == own)
-        (own ? trees[p].own : trees[p].others).each(own ? cluster.own_box : cluster.box, [&](std::size_t) {
-          meets = true;
-        });
-    return meets;
+    if (own) return part < trees.size() && trees[part].own.meets(cluster.own_box);
+    for (std::size_t p = 0; p < trees.size(); ++p)
+      if (p != part && trees[p].others.meets(cluster.box)) return true;
+    return false;
   }
   /// Plants the trees anew, and finds anew what slaves with other boxes, and slaves near facets with other boxes, meet.
   void find_changed(const Changed& changed) {
@@ -354,6 +390,7 @@ struct CandidateSearch::Tables {
       lists.facet_part.push_back(facets[f].part);
       lists.facet_bulk_modulus.push_back(facets[f].bulk_modulus);
       lists.facet_volume.push_back(facets[f].volume);
+      lists.facet_edge.push_back(std::cbrt(facets[f].volume));
       for (int k = 0; k < 4; ++k) lists.facet_nodes.push_back(list_corner(f, k));
     }
     return listed_facet[f];
@@ -361,8 +398,11 @@ struct CandidateSearch::Tables {
   /// Writes the row of one slave at the end of the lists, or takes it out where the slave has no candidates.
   void make_row(std::int32_t s) {
     const std::size_t before = lists.candidate.size();
+    lists.candidate.resize(before + found[s].size());
+    std::int32_t* end = lists.candidate.data() + before;
     for (const std::int32_t f : found[s])
-      if (listed_facet[f] != gone) lists.candidate.push_back(list_facet(f));
+      if (listed_facet[f] != gone) *end++ = list_facet(f);
+    lists.candidate.resize(static_cast<std::size_t>(end - lists.candidate.data()));
     if (lists.candidate.size() == before) {
       if (row_of[s] >= 0) remove_row(row_of[s]);
       return;
@@ -426,6 +466,8 @@ struct CandidateSearch::Tables {
     listed_node.resize(numbering.size(), -1);
     listed_facet.resize(facets.size(), -1);
     if (any_gone) drop_gone();
+    std::sort(outdated.begin(), outdated.end());
+    outdated.erase(std::unique(outdated.begin(), outdated.end()), outdated.end());
     for (const std::int32_t s : outdated) make_row(s);
     outdated.clear();
     pack(lists.candidates, lists.candidate);
@@ -457,6 +499,7 @@ void CandidateSearch::change(const std::vector<std::int64_t>& dead_elements,
   t.slaves.insert(t.slaves.end(), new_slaves.begin(), new_slaves.end());
   for (auto s = n_old; s < static_cast<std::int32_t>(t.slaves.size()); ++s) {
     t.join(s);
+    t.put(s, t.slaves[s].box, t.slaves[s].own_box);
     t.find(static_cast<std::size_t>(s));
   }
   t.find_round(affected, n_old);
@@ -481,10 +524,7 @@ void CandidateSearch::refresh(const std::vector<ContactFacetRecord>& facets,
   for (const ContactNodeRecord& slave : slaves) {
     const std::int32_t n = t.numbering.number(slave.id, slave.local), s = t.slave_of[n];
     KERF_ASSERT(s >= 0, "a slave stays on the rank that its home is in");
-    t.slaves[s].box = slave.box;
-    t.slaves[s].own_box = slave.own_box;
-    t.clusters[t.cluster_of[s]].box.include(slave.box);
-    t.clusters[t.cluster_of[s]].own_box.include(slave.own_box);
+    t.put(s, slave.box, slave.own_box);
     affected.push_back(n);
   }
   t.find_new(first_new);
@@ -511,15 +551,19 @@ void CandidateSearch::renew(const std::vector<ContactFacetRecord>& facets,
     const std::int32_t n = t.numbering.number(slave.id, slave.local), s = t.slave_of[n];
     KERF_ASSERT(s >= 0, "a slave stays on the rank that its home is in");
     ContactNodeRecord& known = t.slaves[s];
-    if (!(known.box == slave.box)) changed.clusters[t.cluster_of[s]] = 1;
-    if (!(known.own_box == slave.own_box)) changed.own_clusters[t.cluster_of[s]] = 1;
+    if (!(known.box == slave.box)) changed.clusters[t.cluster_of(s)] = 1;
+    if (!(known.own_box == slave.own_box)) changed.own_clusters[t.cluster_of(s)] = 1;
     known.box = slave.box;
     known.own_box = slave.own_box;
+    t.slave_boxes.set(static_cast<std::size_t>(t.place[s]), slave.box);
+    t.slave_own_boxes.set(static_cast<std::size_t>(t.place[s]), slave.own_box);
   }
+  t.slave_boxes.finish();
+  t.slave_own_boxes.finish();
   for (const std::int32_t n : affected) {  // the facets round them are others
     const std::int32_t s = t.slave_of[n];
     if (s < 0) continue;
-    changed.own_clusters[t.cluster_of[s]] = 1;
+    changed.own_clusters[t.cluster_of(s)] = 1;
     if (t.row_of[s] >= 0) t.outdated.push_back(s);
   }
   t.find_changed(changed);

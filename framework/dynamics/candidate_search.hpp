@@ -20,7 +20,7 @@ struct Candidates {
   std::vector<std::int32_t> candidate, around;
   std::vector<std::int64_t> facet_id;
   std::vector<std::int32_t> facet_nodes, facet_part;  // four node numbers per facet
-  std::vector<double> facet_bulk_modulus, facet_volume;
+  std::vector<double> facet_bulk_modulus, facet_volume, facet_edge;
 };
 
 /// A slave and a facet are candidates where their boxes meet (their own boxes within one part, which counts only if

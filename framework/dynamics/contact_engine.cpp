@@ -139,8 +139,11 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   }
   const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
   // Facets may shrink, which makes elements thicker.
-  const double edge = longest_edge(r.locals), thickness = r.volume / std::max(area, 1e-300);
-  const double reach = law_.reach(edge, std::max(edge, thickness));
+  FacetBounds bounds;
+  bounds.edge = std::cbrt(r.volume);
+  bounds.longest_edge = longest_edge(r.locals);
+  bounds.thickness = std::max(bounds.longest_edge, r.volume / std::max(area, 1e-300));
+  const double reach = law_.reach(bounds);
   r.box.inflate(reach);
   r.own_box.inflate(reach);
   return true;
@@ -437,6 +440,7 @@ ContactView ContactEngine::view(double dt) const {
   v.facet_part = found_->facet_part.data();
   v.facet_bulk_modulus = found_->facet_bulk_modulus.data();
   v.facet_volume = found_->facet_volume.data();
+  v.facet_edge = found_->facet_edge.data();
   v.n_slaves = static_cast<int>(found_->slave.size());
   v.slave = found_->slave.data();
   v.candidate_rows = found_->candidates.data();

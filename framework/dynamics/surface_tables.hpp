@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 namespace kerf {
@@ -61,28 +60,27 @@ using Corners = std::array<std::int32_t, 8>;
 class Around {
  public:
   void build(const std::vector<Corners>& corners, const std::vector<std::int64_t>& ids, std::size_t n_nodes) {
-    first_.assign(n_nodes + 1, 0);
+    std::vector<std::int32_t> first(n_nodes + 1, 0);
     for (const Corners& c : corners)
-      for (int k = 0; k < 4; ++k) ++first_[c[k] + 1];
-    for (std::size_t n = 0; n < n_nodes; ++n) first_[n + 1] += first_[n];
+      for (int k = 0; k < 4; ++k) ++first[c[k] + 1];
+    for (std::size_t n = 0; n < n_nodes; ++n) first[n + 1] += first[n];
+    rows_.resize(n_nodes);
+    for (std::size_t n = 0; n < n_nodes; ++n) rows_[n] = {first[n], first[n]};
     facet_.resize(4 * corners.size());
     // One after another into their place: there are four facets round most nodes.
-    std::vector<std::int32_t> end(first_.begin(), first_.end() - 1);
     for (std::size_t f = 0; f < corners.size(); ++f)
       for (int k = 0; k < 4; ++k) {
-        const std::int32_t n = corners[f][k];
-        std::int32_t at = end[n]++;
-        for (; at > first_[n] && ids[facet_[at - 1]] > ids[f]; --at) facet_[at] = facet_[at - 1];
+        Row& row = rows_[corners[f][k]];
+        std::int32_t at = row.end++;
+        for (; at > row.begin && ids[facet_[at - 1]] > ids[f]; --at) facet_[at] = facet_[at - 1];
         facet_[at] = static_cast<std::int32_t>(f);
       }
   }
   std::span<const std::int32_t> of(std::int32_t node) const {
-    if (!changed_.empty()) {
-      const auto it = changed_.find(node);
-      if (it != changed_.end()) return it->second;
-    }
-    if (node + 1 >= static_cast<std::int32_t>(first_.size())) return {};
-    return {facet_.data() + first_[node], static_cast<std::size_t>(first_[node + 1] - first_[node])};
+    if (node >= static_cast<std::int32_t>(rows_.size())) return {};
+    const Row& row = rows_[node];
+    if (row.begin < 0) return changed_[row.end];
+    return {facet_.data() + row.begin, static_cast<std::size_t>(row.end - row.begin)};
   }
   void add(std::int32_t node, std::int32_t facet, const std::vector<std::int64_t>& ids) {
     auto& now = list(node);
@@ -91,14 +89,24 @@ class Around {
   void remove(std::int32_t node, std::int32_t facet) { std::erase(list(node), facet); }
 
  private:
+  /// Part of facet_, or, where it begins at `elsewhere`, its end is a place in changed_.
+  struct Row {
+    std::int32_t begin = 0, end = 0;
+  };
+  static constexpr std::int32_t elsewhere = -1;
+
   std::vector<std::int32_t>& list(std::int32_t node) {
-    const auto it = changed_.find(node);
-    if (it != changed_.end()) return it->second;
-    const auto now = of(node);
-    return changed_[node] = std::vector<std::int32_t>(now.begin(), now.end());
+    if (node >= static_cast<std::int32_t>(rows_.size())) rows_.resize(static_cast<std::size_t>(node) + 1);
+    if (rows_[node].begin != elsewhere) {
+      const auto now = of(node);
+      changed_.emplace_back(now.begin(), now.end());
+      rows_[node] = {elsewhere, static_cast<std::int32_t>(changed_.size()) - 1};
+    }
+    return changed_[rows_[node].end];
   }
-  std::vector<std::int32_t> first_, facet_;
-  std::unordered_map<std::int32_t, std::vector<std::int32_t>> changed_;
+  std::vector<std::int32_t> facet_;
+  std::vector<Row> rows_;  // per node
+  std::vector<std::vector<std::int32_t>> changed_;
 };
 
 }  // namespace kerf

@@ -5,175 +5,17 @@
 // about another. Nothing is remembered from step to step, so nothing can be lost when facets vanish, appear or move to
 // another rank. Facets are taken as four triangles round their centre, which closes the surface without gaps.
 #include <kerf/contact_geometry.hpp>
+#include <kerf/lanes.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <span>
+
+#include "closest_points.hpp"
 
 namespace {
 
 using namespace kerf;
-
-// A facet has four triangles: a register of most machines holds one number of each.
-typedef double Four __attribute__((vector_size(32)));
-typedef std::int64_t FourInt __attribute__((vector_size(32)));
-
-Four root(Four a) { return Four{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
-
-struct Vectors {
-  Four x, y, z;
-
-  static Vectors all(Vec3 v) { return {Four{} + v.x, Four{} + v.y, Four{} + v.z}; }
-  /// Each lane takes its successor's vector, the last one the first one's.
-  Vectors turned() const {
-    const auto turn = [](Four v) { return __builtin_shufflevector(v, v, 1, 2, 3, 0); };
-    return {turn(x), turn(y), turn(z)};
-  }
-  Vec3 at(int lane) const { return {x[lane], y[lane], z[lane]}; }
-  friend Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Vectors operator*(const Vectors& a, const Four& s) { return {a.x * s, a.y * s, a.z * s}; }
-  friend Four dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-  friend Vectors cross(const Vectors& a, const Vectors& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-  }
-};
-
-/// Closest point of a triangle to a point (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
-struct Closest {
-  double a = 0.0, b = 0.0, c = 0.0;  // barycentric
-  bool inside = false;  // interior to the triangle
-};
-
-Closest closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return {1, 0, 0, false};
-  const Vec3 bp = p - b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0.0 && d4 <= d3) return {0, 1, 0, false};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-    const double t = d1 - d3 > 0.0 ? d1 / (d1 - d3) : 0.0;
-    return {1 - t, t, 0, false};
-  }
-  const Vec3 cp = p - c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0.0 && d5 <= d6) return {0, 0, 1, false};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-    const double t = d2 - d6 > 0.0 ? d2 / (d2 - d6) : 0.0;
-    return {1 - t, 0, t, false};
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-    const double sum = (d4 - d3) + (d5 - d6);
-    const double t = sum > 0.0 ? (d4 - d3) / sum : 0.0;
-    return {0, 1 - t, t, false};
-  }
-  const double denominator = va + vb + vc;
-  if (!(denominator > 0.0)) return {1, 0, 0, false};
-  const double v = vb / denominator, w = vc / denominator;
-  return {1 - v - w, v, w, true};
-}
-
-/// The four triangles of a facet side by side: corners x[k], x[k + 1], centre.
-struct Triangles {
-  Vectors corner;
-  Vec3 centre;
-
-  explicit Triangles(const FacetGeometry& g) : centre(g.centre) {
-    for (int k = 0; k < 4; ++k) {
-      corner.x[k] = g.x[k].x;
-      corner.y[k] = g.x[k].y;
-      corner.z[k] = g.x[k].z;
-    }
-  }
-};
-
-/// Closest points of four triangles to one point, all at once: the same choices and the same arithmetic, lane by lane,
-/// as closest_on_triangle.
-struct FourClosest {
-  Four a, b, c;  // barycentric
-  FourInt inside;  // interior to the triangle
-  Vectors way;  // from the closest point to the node
-  Four square;  // of its length [m2]
-
-  FourClosest(const Vectors& corner, const Vectors& next, const Vectors& centre, const Vectors& p) {
-    const Vectors ab = next - corner, ac = centre - corner, ap = p - corner, bp = p - next, cp = p - centre;
-    const Four d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
-               d6 = dot(ac, cp);
-    const Four vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-    // Whatever comes first wins.
-    const FourInt at_a = (d1 <= 0.0) & (d2 <= 0.0);
-    FourInt before = at_a;
-    const auto first = [&before](FourInt holds) {
-      const FourInt is_first = holds & ~before;
-      before |= holds;
-      return is_first;
-    };
-    const FourInt at_b = first((d3 >= 0.0) & (d4 <= d3)), on_ab = first((vc <= 0.0) & (d1 >= 0.0) & (d3 <= 0.0));
-    const FourInt at_c = first((d6 >= 0.0) & (d5 <= d6)), on_ac = first((vb <= 0.0) & (d2 >= 0.0) & (d6 <= 0.0));
-    const FourInt on_bc = first((va <= 0.0) & (d4 - d3 >= 0.0) & (d5 - d6 >= 0.0));
-    const Four over = on_ab ? d1 : on_ac ? d2 : on_bc ? d4 - d3 : vb;
-    const Four under = on_ab ? d1 - d3 : on_ac ? d2 - d6 : on_bc ? (d4 - d3) + (d5 - d6) : va + vb + vc;
-    const FourInt sound = under > 0.0;
-    const Four zero{}, one = zero + 1.0;
-    const Four t = sound ? over / under : zero, w = vc / under;
-    inside = sound & ~before;
-    // Without a sound denominator the corner stands for the inside.
-    const FourInt corner_a = at_a | ~(before | sound), corner_b = at_b, corner_c = at_c;
-    a = corner_a ? one : (corner_b | corner_c | on_bc) ? zero : inside ? one - t - w : one - t;
-    b = corner_b ? one : (corner_a | corner_c | on_ac) ? zero : on_bc ? one - t : t;
-    c = corner_c ? one : (corner_a | corner_b | on_ab) ? zero : inside ? w : t;
-    way = p - (corner * a + next * b + centre * c);
-    square = dot(way, way);
-  }
-};
-
-/// The closest point of a facet, and on which side of it the node lies.
-struct Touch {
-  double weights[4] = {};
-  Vec3 direction;  // outward unit vector from the node to the point if below, from the point if above
-  double distance = 1e300;  // [m]
-  double side = 0.0;  // cosine between (node - point) and the normal there; negative below
-  double lowest = 1.0;  // the least side of all triangles that hold the point
-};
-
-Touch touch_facet(const Triangles& facet, double size, Vec3 s) {
-  const Vectors next = facet.corner.turned(), centre = Vectors::all(facet.centre);
-  const FourClosest closest(facet.corner, next, centre, Vectors::all(s));
-  const Vectors twice = cross(next - facet.corner, centre - facet.corner);
-  const Four length = root(dot(twice, twice)), zero{};
-  const Vectors normal = twice * (1.0 / length);
-  const Four distance = root(closest.square);
-  const Four side = distance > 0.0 ? dot(closest.way, normal) / distance : zero;
-  double least = closest.square[0];
-  for (int k = 1; k < 4; ++k) least = min_of(closest.square[k], least);
-  // Two triangles share the closest point on an edge: the one that faces the node decides the side.
-  const double limit = std::sqrt(least) + 1e-9 * size;
-  const FourInt counts = (closest.square <= limit * limit) & (length > 0.0);
-  int found = -1;
-  double lowest = 1.0;
-  for (int k = 0; k < 4; ++k) {
-    if (counts[k] == 0) continue;
-    lowest = min_of(lowest, side[k]);
-    if (found < 0 || std::fabs(side[k]) > std::fabs(side[found])) found = k;
-  }
-  Touch best;
-  if (found < 0) return best;
-  const int k = found;
-  best.weights[k] = closest.a[k] + 0.25 * closest.c[k];
-  best.weights[(k + 1) % 4] = closest.b[k] + 0.25 * closest.c[k];
-  best.weights[(k + 2) % 4] = 0.25 * closest.c[k];
-  best.weights[(k + 3) % 4] = 0.25 * closest.c[k];
-  best.distance = distance[k];
-  best.side = side[k];
-  best.direction = closest.inside[k] != 0 || !(distance[k] > 0.0)
-                       ? normal.at(k)
-                       : closest.way.at(k) * ((side[k] < 0.0 ? -1.0 : 1.0) / distance[k]);
-  best.lowest = lowest;
-  return best;
-}
 
 struct ErodingSurface final : Contact {
   std::vector<std::string> parts;
@@ -200,9 +42,8 @@ struct ErodingSurface final : Contact {
         .by_default("0.2");
     s.real(&ErodingSurface::friction, "friction", "-", non_negative, "Coulomb friction coefficient").by_default("0");
     s.real(&ErodingSurface::depth, "depth", "-", between(0.1, 1.0),
-           "greatest penetration that is pushed back, over the lesser of the thickness V/A of the facet's element and "
-           "the "
-           "facet's longest edge")
+           "greatest penetration that is pushed back, over the least of the thickness V/A of the facet's element, the "
+           "facet's longest edge and the edge of a cube as large as the undeformed element")
         .by_default("0.6");
     s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
         .by_default("10");
@@ -218,8 +59,9 @@ struct ErodingSurface final : Contact {
   }
 
   // Whatever lies closer to a node than the facet that would push it must be a candidate too, for the closest facet
-  // decides: the reach covers the depth of facets as large as this one.
-  double reach(double longest_edge, double /*thickness*/) const override { return depth * longest_edge; }
+  // decides: the reach covers the depth of facets of elements as large as this one. It does not change, so that no
+  // search has to foresee how facets may stretch.
+  double reach(const FacetBounds& facet) const override { return reach(facet.edge); }
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {
     const Measured facets = measure(view);
@@ -255,43 +97,83 @@ struct ErodingSurface final : Contact {
   }
 
  private:
-  /// The flat cylinder that holds a facet's four triangles, and what else decides about most nodes, side by side.
-  struct Slab {
-    Vec3 centre, normal;
-    double radius = 0.0, warp = 0.0;  // across the normal and along it [m]
-    double size = 0.0, deepest = 0.0;  // longest edge, greatest penetration [m]
+  double reach(double edge) const { return depth * edge; }
 
-    Slab(const FacetGeometry& g, double depth)
-        : centre(g.centre), normal(g.normal), size(g.size), deepest(depth * min_of(g.thickness, g.size)) {
+  /// Of every facet, the flat cylinder that holds its four triangles, and what else decides about most nodes.
+  struct Slabs {
+    struct alignas(32) Row {
+      double entry[4];
+    };
+    std::vector<Row> centres;  // and the radius, across the normal [m]
+    std::vector<Row> normals;  // and the warp, along it [m]
+    std::vector<Row> sizes;  // longest edge, reach, greatest penetration [m]
+
+    void add(const FacetGeometry& g, double reach, double deepest) {
+      double square = 0.0, warp = 0.0;
       for (int k = 0; k < 4; ++k) {
         const Vec3 d = g.x[k] - g.centre;
-        radius = max_of(radius, dot(d, d));
+        square = max_of(square, dot(d, d));
         warp = max_of(warp, std::fabs(dot(d, g.normal)));
       }
-      radius = std::sqrt(radius);
-    }
-    /// Square of a distance that no point of the facet is closer to `s` than [m2].
-    double least_square(Vec3 s) const {
-      const Vec3 d = s - centre;
-      const double height = dot(d, normal), over = max_of(std::fabs(height) - warp, 0.0);
-      const double across = dot(d, d) - height * height;
-      const double beside = across > radius * radius ? std::sqrt(across) - radius : 0.0;
-      return (over * over + beside * beside) * (1.0 - 1e-6);  // far more than round-off
-    }
-    /// Whether the facet is taken to be able to push a node at `s`. A way to the closest point that is not straight
-    /// leads sideways by the depth at most. Below a facet that is folded is below its mean plane, here.
-    bool may_push(Vec3 s) const {
-      const Vec3 d = s - centre;
-      const double height = dot(d, normal), across = radius + deepest;
-      return (height <= 1e-6 * size + warp) & (height >= -1.01 * deepest - warp) &
-             (dot(d, d) - height * height <= across * across);
+      centres.push_back({g.centre.x, g.centre.y, g.centre.z, std::sqrt(square)});
+      normals.push_back({g.normal.x, g.normal.y, g.normal.z, warp});
+      sizes.push_back({g.size, reach, deepest, 0.0});
     }
   };
+
+  /// Where a node lies, seen from the cylinders of some facets side by side.
+  struct Seen {
+    Lanes normal_x, normal_y, normal_z, size;
+    Lanes height, across;  // over the plane; square of the distance from the axis [m2]
+    Lanes radius, warp, reach, deepest;
+
+    Seen(const Slabs& slabs, const std::int32_t* facet, Vec3 s) {
+      Lanes x, y, z, unused;
+      gather_rows(slabs.centres.data()->entry, facet, x, y, z, radius);
+      gather_rows(slabs.normals.data()->entry, facet, normal_x, normal_y, normal_z, warp);
+      gather_rows(slabs.sizes.data()->entry, facet, size, reach, deepest, unused);
+      x = s.x - x;
+      y = s.y - y;
+      z = s.z - z;
+      height = normal_x * x + normal_y * y + normal_z * z;
+      across = x * x + y * y + z * z - height * height;
+    }
+    /// Cosine between the facets' normals and a unit vector.
+    Lanes along(Vec3 v) const { return normal_x * v.x + normal_y * v.y + normal_z * v.z; }
+    /// Square of a distance that no point of the facet is closer than [m2].
+    Lanes least_square() const {
+      const Lanes zero{}, over = max_of(abs_of(height) - warp, zero);
+      const Lanes beside = max_of(sqrt_of(max_of(across, zero)) - radius, zero);
+      return (over * over + beside * beside) * (1.0 - 1e-6);  // far more than round-off
+    }
+    /// Whether the facet is taken to be able to push the node. A way to the closest point that is not straight leads
+    /// sideways by the depth at most. Below a facet that is folded is below its mean plane, here.
+    unsigned may_push() const {
+      const Lanes most = radius + deepest;
+      return mask_of((height <= 1e-6 * size + warp) & (height >= -1.01 * deepest - warp) & (across <= most * most));
+    }
+    /// Whether the node may be within reach of the facet, given the square of a distance that it is not closer than.
+    unsigned within_reach(Lanes least_square) const { return mask_of(least_square <= reach * reach); }
+  };
+  /// Calls `visit(facets, lanes in use)` for as many facets at a time as there are lanes, until it says true.
+  template <class Visit>
+  static bool until(std::span<const std::int32_t> facets, const Visit& visit) {
+    std::size_t k = 0;
+    for (; k + register_lanes <= facets.size(); k += register_lanes)
+      if (visit(facets.data() + k, all_lanes)) return true;
+    if (k == facets.size()) return false;
+    std::int32_t rest[register_lanes];
+    for (std::size_t l = 0; l < register_lanes; ++l) rest[l] = facets[std::min(k + l, facets.size() - 1)];
+    return visit(rest, (1u << (facets.size() - k)) - 1u);
+  }
+
   struct Measured {
-    std::vector<Slab> slab;
+    Slabs slabs;
     std::vector<FacetGeometry> geometry;
     std::vector<Triangles> triangles;
 
+    double reach(std::int32_t facet) const { return slabs.sizes[facet].entry[1]; }
+    double deepest(std::int32_t facet) const { return slabs.sizes[facet].entry[2]; }
     Touch touch(std::int32_t facet, Vec3 s) const { return touch_facet(triangles[facet], geometry[facet].size, s); }
   };
 
@@ -308,12 +190,15 @@ struct ErodingSurface final : Contact {
 
   Measured measure(const ContactView& view) const {
     Measured m;
-    m.slab.reserve(static_cast<std::size_t>(view.n_facets));
+    for (auto* rows : {&m.slabs.centres, &m.slabs.normals, &m.slabs.sizes})
+      rows->reserve(static_cast<std::size_t>(view.n_facets));
     m.geometry.reserve(static_cast<std::size_t>(view.n_facets));
     m.triangles.reserve(static_cast<std::size_t>(view.n_facets));
     for (int f = 0; f < view.n_facets; ++f) {
       m.geometry.emplace_back(view, f);
-      m.slab.emplace_back(m.geometry.back(), depth);
+      const FacetGeometry& g = m.geometry.back();
+      const double edge = view.facet_edge[f];
+      m.slabs.add(g, reach(edge), depth * min_of(min_of(g.thickness, g.size), edge));
       m.triangles.emplace_back(m.geometry.back());
     }
     return m;
@@ -333,13 +218,15 @@ struct ErodingSurface final : Contact {
       while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
       const bool same_part = view.facet_part[*from] == view.node_part[view.slave[i]];
       // Most slaves are near no facet of a body that could push them, and cost no more than this.
-      const bool any = std::any_of(from, to, [&](std::int32_t f) {
-        if (!facets.slab[f].may_push(s)) return false;
-        const double within = reach(facets.slab[f].size, 0.0);
-        if (facets.slab[f].least_square(s) > within * within) return false;
+      const bool any = until({from, to}, [&](const std::int32_t* some, unsigned in_use) {
+        const Seen seen(facets.slabs, some, s);
+        unsigned pushing = seen.may_push() & in_use;
+        if (pushing == 0) return false;
+        pushing &= seen.within_reach(seen.least_square());
+        if (pushing == 0) return false;
         if (!has_own) own = own_normal(view, i);
         has_own = true;
-        return !same_part || faces(own, facets.slab[f].normal);
+        return !same_part || dot(own, own) == 0.0 || (pushing & mask_of(seen.along(own) < opposing)) != 0;
       });
       Touch t;
       const int facet = any ? locate(view, view.slave[i], own, {from, to}, facets, near, t) : -1;
@@ -361,7 +248,7 @@ struct ErodingSurface final : Contact {
     const int found = closest_of(near, s, measured, best);
     if (found < 0) return -1;
     const FacetGeometry& g = measured.geometry[found];
-    if (best.distance > depth * min_of(g.thickness, g.size)) return -1;
+    if (best.distance > measured.deepest(found)) return -1;
     // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
     // straight below a facet that faces the node is believed to be inside.
     if (same_part) return best.side < straight_below && faces(own, g.normal) ? found : -1;
@@ -387,19 +274,26 @@ struct ErodingSurface final : Contact {
     near.first = -1;
     near.least_flush = 1e300;
     double least = 1e300;
-    for (const std::int32_t f : facets) {
-      const Slab& g = measured.slab[f];
-      const double within = reach(g.size, 0.0), square = g.least_square(s);
-      if (square > within * within) continue;
+    until(facets, [&](const std::int32_t* some, unsigned in_use) {
+      const Seen seen(measured.slabs, some, s);
+      const Lanes square = seen.least_square();
+      unsigned near_by = seen.within_reach(square) & in_use;
+      if (near_by == 0) return false;
       // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
-      if (!same_part && dot(own, g.normal) > same_way && std::fabs(dot(s - g.centre, g.normal)) < flush * g.size) {
-        near.least_flush = min_of(near.least_flush, square);
-        continue;
+      unsigned beside = 0;
+      if (!same_part) beside = mask_of((seen.along(own) > same_way) & (abs_of(seen.height) < flush * seen.size));
+      for (; near_by != 0; near_by &= near_by - 1) {
+        const int l = std::countr_zero(near_by);
+        if ((beside >> l & 1u) != 0) {
+          near.least_flush = min_of(near.least_flush, square[l]);
+          continue;
+        }
+        near.facets.push_back({some[l], square[l]});
+        if (square[l] < least) near.first = some[l];
+        least = min_of(least, square[l]);
       }
-      near.facets.push_back({f, square});
-      if (square < least) near.first = f;
-      least = min_of(least, square);
-    }
+      return false;
+    });
   }
 
   /// The closest of the near facets within its own reach, or -1. Most need not be looked at after the likely one.
@@ -407,7 +301,7 @@ struct ErodingSurface final : Contact {
     if (near.first < 0) return -1;
     const FacetGeometry& likely = measured.geometry[near.first];
     const Touch guess = measured.touch(near.first, s);
-    const bool counts = guess.distance <= reach(likely.size, likely.thickness);
+    const bool counts = guess.distance <= measured.reach(near.first);
     const double enough = counts ? guess.distance + 1e-6 * likely.size : 1e150;
     int found = -1;
     double found_size = 0.0;
@@ -415,7 +309,7 @@ struct ErodingSurface final : Contact {
       if (least_square > enough * enough) continue;
       const FacetGeometry& g = measured.geometry[f];
       const Touch t = f == near.first ? guess : measured.touch(f, s);
-      if (!(t.distance <= reach(g.size, g.thickness))) continue;
+      if (!(t.distance <= measured.reach(f))) continue;
       const double tolerance = 1e-9 * max_of(g.size, found_size);
       const bool nearer = found < 0 || t.distance < best.distance - tolerance;
       const bool same = !nearer && t.distance <= best.distance + tolerance;
@@ -439,7 +333,7 @@ struct ErodingSurface final : Contact {
     for (const std::int32_t f : facets) {
       const FacetGeometry& g = measured.geometry[f];
       // Whether a facet that is out of its own reach is listed is a matter of chance.
-      if (distance > reach(g.size, g.thickness)) continue;
+      if (distance > measured.reach(f)) continue;
       const double tolerance = 1e-7 * g.size;
       const Vec3 d = point - g.centre;
       if (!(dot(d, d) < 2.0 * g.size * g.size)) continue;

@@ -93,8 +93,8 @@ struct SlideSurface final : Contact {
   }
 
   // The nearest master node of a node below a segment is at most the segment's diagonal and the depth away.
-  double reach(double longest_edge, double thickness) const override {
-    return 1.5 * longest_edge + depth * min_of(thickness, longest_edge);
+  double reach(const FacetBounds& facet) const override {
+    return 1.5 * facet.longest_edge + depth * min_of(facet.thickness, facet.longest_edge);
   }
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {

@@ -94,6 +94,7 @@ void BruteContact::list_facets() {
     facet_part_.push_back(e.part);
     bulk_modulus_.push_back(parts_[e.part].bulk_modulus);
     volume_.push_back(e.record[0] / parts_[e.part].material->density);  // the record starts with the mass
+    edge_.push_back(std::cbrt(volume_.back()));
     for (int k = 0; k < 4; ++k) {
       facet_nodes_.push_back(number_.at(e.nodes[hex_face[f.face][k]]));
       facet_opposite_.push_back(number_.at(e.nodes[hex_face[opposite_face[f.face]][k]]));
@@ -154,6 +155,7 @@ ContactView BruteContact::view(double dt) const {
   v.facet_part = facet_part_.data();
   v.facet_bulk_modulus = bulk_modulus_.data();
   v.facet_volume = volume_.data();
+  v.facet_edge = edge_.data();
   v.n_slaves = static_cast<int>(slave_.size());
   v.slave = slave_.data();
   v.candidate_rows = candidate_rows_.data();
@@ -210,7 +212,7 @@ double BruteContact::depth_below_surface(Vec3 p, int part) const {
     if (distance >= least) continue;
     least = distance;
     const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
-    depth = distance / std::min(volume_[f] / area, size);
+    depth = distance / std::min({volume_[f] / area, size, edge_[f]});
   }
   return depth;
 }

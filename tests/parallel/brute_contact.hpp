@@ -17,8 +17,8 @@ struct Intruder {
   std::int64_t node = 0, element = 0;
   bool own_part = false, free = false;
   bool pushed = false;  // whether the law gives it a force
-  double depth = 0.0;  // to the closest exterior facet of the element's part, over the lesser of the facet's
-                       // thickness and longest edge: what eroding_surface measures its window by
+  double depth = 0.0;  // to the closest exterior facet of the element's part, over the least of the facet's thickness,
+                       // longest edge and cube's edge: what eroding_surface measures its window by
 };
 
 /// The contact surface of a whole model as a law sees it, with all facets as candidates of every slave, but for
@@ -58,7 +58,7 @@ class BruteContact {
   ContactRequest request_;
   std::map<std::int64_t, std::int32_t> number_;  // of node ids
   std::vector<std::int64_t> node_id_, facet_id_;
-  std::vector<double> position_, velocity_, mass_, bulk_modulus_, volume_;
+  std::vector<double> position_, velocity_, mass_, bulk_modulus_, volume_, edge_;
   std::vector<std::int32_t> node_part_, facet_nodes_, facet_opposite_, facet_part_;
   std::vector<std::int32_t> slave_, candidate_, around_;
   std::vector<ContactRow> candidate_rows_, around_rows_;

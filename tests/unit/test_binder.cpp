@@ -295,7 +295,8 @@ TEST(Manifest, NamesWhatDiffers) {
   theirs.interface = interface_version + 1;
   theirs.size_of_plugin = 1;
   EXPECT_EQ(manifest_difference(theirs, this_manifest()),
-            "the interface version is 3 in the plugin and 2 here; the size of Plugin is 1 in the plugin and " +
+            "the interface version is " + std::to_string(interface_version + 1) + " in the plugin and " +
+                std::to_string(interface_version) + " here; the size of Plugin is 1 in the plugin and " +
                 std::to_string(sizeof(Plugin)) + " here");
 }
 

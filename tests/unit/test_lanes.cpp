@@ -90,6 +90,16 @@ TEST(Lanes, GatherReadsThreeComponentsOfEachNode) {
   }
 }
 
+TEST(Lanes, GatherReadsWholeRows) {
+  alignas(64) double rows[4 * 20];
+  for (int i = 0; i < 80; ++i) rows[i] = 100.0 + i;
+  const std::int32_t number[8] = {19, 0, 7, 7, 3, 18, 2, 11};
+  Lanes column[4];
+  gather_rows(rows, number, column[0], column[1], column[2], column[3]);
+  for (int c = 0; c < 4; ++c)
+    for (int l = 0; l < register_lanes; ++l) EXPECT_EQ(column[c][l], 100.0 + 4 * number[l] + c);
+}
+
 TEST(Lanes, ScatterAddsLaneAfterLaneWhereLanesShareANode) {
   alignas(64) std::int64_t nodal[4 * 6], expected[4 * 6];
   for (int i = 0; i < 24; ++i) nodal[i] = expected[i] = 1000 + i;

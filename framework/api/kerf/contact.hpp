@@ -36,6 +36,7 @@ struct ContactView {
   const std::int32_t* facet_part = nullptr;
   const double* facet_bulk_modulus = nullptr;  // of the undeformed material [Pa]
   const double* facet_volume = nullptr;  // of the undeformed element [m3]
+  const double* facet_edge = nullptr;  // of a cube of that volume [m]
   int n_slaves = 0;
   const std::int32_t* slave = nullptr;  // nodes
   const ContactRow *candidate_rows = nullptr, *around_rows = nullptr;  // per slave
@@ -96,12 +97,18 @@ struct ContactRequest {
   bool free_nodes = false;  // nodes without live elements take part
 };
 
+/// What is known about a facet before the next search.
+struct FacetBounds {
+  double edge = 0.0;  // of a cube as large as the undeformed element [m]
+  double longest_edge = 0.0, thickness = 0.0;  // that the facet and V/A of its element will not exceed [m]
+};
+
 class Contact : public Plugin {
  public:
   virtual ContactRequest request() const = 0;
-  /// Distance from a facet within which a node must be a candidate, given upper bounds of the facet's longest edge and
-  /// of the thickness V/A of its element until the next search [m]. What nodes move until then comes on top.
-  virtual double reach(double longest_edge, double thickness) const = 0;
+  /// Distance from a facet within which a node must be a candidate [m]. What nodes move until the next search comes on
+  /// top. The bounds of longest edge and thickness foresee the worst, and may be far above what facets come to.
+  virtual double reach(const FacetBounds& facet) const = 0;
   virtual void add_forces(const ContactView& view, ContactForces& forces) const = 0;
   /// Largest depth of a node below the surface at the start, over the facet's thickness, and who it is; for the
   /// check of initial penetration. Returns the number of penetrating slaves.

@@ -140,10 +140,10 @@ typedef std::int64_t QuadInt __attribute__((vector_size(32), may_alias));
 
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 
-/// Reads x, y, z of a piece's nodes (four entries per node) into three vectors.
-inline void gather_vector(const double* nodal, const std::int32_t* node, Lanes& x, Lanes& y, Lanes& z) {
+/// Reads the four entries of as many rows as there are lanes into four vectors. Rows lie on boundaries of 32 bytes.
+inline void gather_rows(const double* rows, const std::int32_t* number, Lanes& x, Lanes& y, Lanes& z, Lanes& w) {
   detail::Quad row[8];
-  for (int l = 0; l < 8; ++l) row[l] = detail::row_of(nodal, node[l]);
+  for (int l = 0; l < 8; ++l) row[l] = detail::row_of(rows, number[l]);
   const auto join = [&](int a, int b) { return __builtin_shufflevector(row[a], row[b], 0, 1, 2, 3, 4, 5, 6, 7); };
   const Lanes c0 = join(0, 4), c1 = join(1, 5), c2 = join(2, 6), c3 = join(3, 7);
   const Lanes xz01 = __builtin_shufflevector(c0, c1, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -153,6 +153,7 @@ inline void gather_vector(const double* nodal, const std::int32_t* node, Lanes& 
   x = __builtin_shufflevector(xz01, xz23, 0, 1, 8, 9, 4, 5, 12, 13);
   z = __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15);
   y = __builtin_shufflevector(yw01, yw23, 0, 1, 8, 9, 4, 5, 12, 13);
+  w = __builtin_shufflevector(yw01, yw23, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
 /// Adds three vectors to x, y, z of a piece's nodes, lane after lane, so that lanes may share a node.
@@ -174,10 +175,10 @@ inline void scatter_add(std::int64_t* nodal, const std::int32_t* node, LanesInt 
 
 #elif defined(__AVX2__)
 
-/// Reads x, y, z of a piece's nodes (four entries per node) into three vectors.
-inline void gather_vector(const double* nodal, const std::int32_t* node, Lanes& x, Lanes& y, Lanes& z) {
+/// Reads the four entries of as many rows as there are lanes into four vectors. Rows lie on boundaries of 32 bytes.
+inline void gather_rows(const double* rows, const std::int32_t* number, Lanes& x, Lanes& y, Lanes& z, Lanes& w) {
   Lanes row[4];
-  for (int l = 0; l < 4; ++l) row[l] = detail::row_of(nodal, node[l]);
+  for (int l = 0; l < 4; ++l) row[l] = detail::row_of(rows, number[l]);
   const Lanes xz01 = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
   const Lanes xz23 = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
   const Lanes yw01 = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
@@ -185,6 +186,7 @@ inline void gather_vector(const double* nodal, const std::int32_t* node, Lanes& 
   x = __builtin_shufflevector(xz01, xz23, 0, 1, 4, 5);
   z = __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7);
   y = __builtin_shufflevector(yw01, yw23, 0, 1, 4, 5);
+  w = __builtin_shufflevector(yw01, yw23, 2, 3, 6, 7);
 }
 
 /// Adds three vectors to x, y, z of a piece's nodes, lane after lane, so that lanes may share a node.
@@ -202,13 +204,15 @@ inline void scatter_add(std::int64_t* nodal, const std::int32_t* node, LanesInt 
 
 #else
 
-/// Reads x, y, z of a piece's nodes (four entries per node) into three vectors.
-inline void gather_vector(const double* nodal, const std::int32_t* node, Lanes& x, Lanes& y, Lanes& z) {
-  const double *a = nodal + 4 * static_cast<std::int64_t>(node[0]), *b = nodal + 4 * static_cast<std::int64_t>(node[1]);
-  const Lanes xy_a = load_lanes(a), xy_b = load_lanes(b);
+/// Reads the four entries of as many rows as there are lanes into four vectors. Rows lie on boundaries of 32 bytes.
+inline void gather_rows(const double* rows, const std::int32_t* number, Lanes& x, Lanes& y, Lanes& z, Lanes& w) {
+  const double *a = rows + 4 * static_cast<std::int64_t>(number[0]),
+               *b = rows + 4 * static_cast<std::int64_t>(number[1]);
+  const Lanes xy_a = load_lanes(a), xy_b = load_lanes(b), zw_a = load_lanes(a + 2), zw_b = load_lanes(b + 2);
   x = __builtin_shufflevector(xy_a, xy_b, 0, 2);
   y = __builtin_shufflevector(xy_a, xy_b, 1, 3);
-  z = Lanes{a[2], b[2]};
+  z = __builtin_shufflevector(zw_a, zw_b, 0, 2);
+  w = __builtin_shufflevector(zw_a, zw_b, 1, 3);
 }
 
 /// Adds three vectors to x, y, z of a piece's nodes, lane after lane, so that lanes may share a node.
@@ -221,5 +225,11 @@ inline void scatter_add(std::int64_t* nodal, const std::int32_t* node, LanesInt 
 }
 
 #endif
+
+/// Reads x, y, z of a piece's nodes (four entries per node) into three vectors.
+inline void gather_vector(const double* nodal, const std::int32_t* node, Lanes& x, Lanes& y, Lanes& z) {
+  Lanes unused;
+  gather_rows(nodal, node, x, y, z, unused);
+}
 
 }  // namespace kerf

@@ -137,7 +137,7 @@ ContactFacetRecord TwoSlabs::record(const ExteriorFacet& f) const {
   double longest = 0.0;
   for (int k = 0; k < 4; ++k) longest = std::max(longest, norm(x[(k + 1) % 4] - x[k]));
   const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1])), slack = 0.002 * model_.dummy_edge;
-  const double reach = law().reach(longest + 2.0 * slack, r.volume / area);
+  const double reach = law().reach({std::cbrt(r.volume), longest + 2.0 * slack, r.volume / area});
   r.box.inflate(reach);
   r.own_box.inflate(reach);
   return r;
@@ -292,6 +292,7 @@ void contact_forces(benchmark::State& state) {
   v.facet_part = found.facet_part.data();
   v.facet_bulk_modulus = found.facet_bulk_modulus.data();
   v.facet_volume = found.facet_volume.data();
+  v.facet_edge = found.facet_edge.data();
   v.n_slaves = static_cast<int>(found.slave.size());
   v.slave = found.slave.data();
   v.candidate_rows = found.candidates.data();

@@ -1,4 +1,4 @@
-// A tree of boxes over facets that are neighbours in the list as a rule, as elements along a space-filling curve are.
+// A tree of boxes over what are neighbours in the list as a rule, as elements along a space-filling curve are.
 #pragma once
 
 #include <bit>
@@ -24,6 +24,12 @@ class BoxGroup {
       high_[d][lane] = box.high[d];
     }
   }
+  void include(int lane, const Box& box) {
+    for (int d = 0; d < 3; ++d) {
+      low_[d][lane] = std::min(low_[d][lane], box.low[d]);
+      high_[d][lane] = std::max(high_[d][lane], box.high[d]);
+    }
+  }
   /// The smallest box round all of them.
   Box hull() const {
     Box all;
@@ -37,9 +43,12 @@ class BoxGroup {
   /// Calls `visit(lane)` for all that meet a box.
   template <class Visit>
   void each_meeting(const Box& box, const Visit& visit) const {
-    const Answer yes = (low_[0] <= box.high[0]) & (high_[0] >= box.low[0]) & (low_[1] <= box.high[1]) &
-                       (high_[1] >= box.low[1]) & (low_[2] <= box.high[2]) & (high_[2] >= box.low[2]);
-    for (unsigned left = bits_of(yes); left != 0; left &= left - 1) visit(std::countr_zero(left));
+    for (unsigned left = meeting(box); left != 0; left &= left - 1) visit(std::countr_zero(left));
+  }
+  /// Bit l is set where box l meets another one.
+  unsigned meeting(const Box& box) const {
+    return bits_of((low_[0] <= box.high[0]) & (high_[0] >= box.low[0]) & (low_[1] <= box.high[1]) &
+                   (high_[1] >= box.low[1]) & (low_[2] <= box.high[2]) & (high_[2] >= box.low[2]));
   }
 
  private:
@@ -60,30 +69,44 @@ class BoxGroup {
   Floats low_[3] = {all_far, all_far, all_far}, high_[3] = {-all_far, -all_far, -all_far};
 };
 
-/// Eight boxes to a group, eight groups to the next, up to the root; nothing is sorted.
-class FacetTree {
+/// Eight boxes to a group, eight groups to the next, up to the root; nothing is sorted. Boxes have numbers, those that
+/// were never set are empty.
+class BoxTree {
  public:
-  void add(const Box& box) {
-    if (n_ % BoxGroup::size == 0) leaves_.emplace_back();
-    leaves_.back().set(n_++ % BoxGroup::size, box);
+  void add(const Box& box) { set(n_, box); }
+  /// Sets one box; `finish` is to be called after all are set, and before anything is asked.
+  void set(std::size_t number, const Box& box) {
+    n_ = std::max(n_, number + 1);
+    while (leaves_.size() * BoxGroup::size < n_) leaves_.emplace_back();
+    leaves_[number / BoxGroup::size].set(static_cast<int>(number % BoxGroup::size), box);
   }
-  /// To be called after all are added, and before anything is asked.
   void finish() {
     levels_.clear();
-    for (const std::vector<BoxGroup>* below = &leaves_; below->size() > 1; below = &levels_.back()) {
-      std::vector<BoxGroup> above((below->size() + BoxGroup::size - 1) / BoxGroup::size);
-      for (std::size_t g = 0; g < below->size(); ++g)
-        above[g / BoxGroup::size].set(static_cast<int>(g % BoxGroup::size), (*below)[g].hull());
-      levels_.push_back(std::move(above));
+    for (const std::vector<BoxGroup>* below = &leaves_; below->size() > 1; below = &levels_.back())
+      levels_.push_back(hulls_of(*below));
+  }
+  /// Sets one box, after which questions may be asked at once. Boxes round many only grow: as long as few are set like
+  /// this, it costs little.
+  void put(std::size_t number, const Box& box) {
+    set(number, box);
+    std::size_t group = number / BoxGroup::size;
+    for (std::size_t level = 0, n_below = leaves_.size(); n_below > 1; n_below = levels_[level++].size()) {
+      if (level == levels_.size()) {
+        levels_.push_back(hulls_of(level == 0 ? leaves_ : levels_[level - 1]));
+      } else {
+        if (levels_[level].size() * BoxGroup::size < n_below) levels_[level].emplace_back();
+        levels_[level][group / BoxGroup::size].include(static_cast<int>(group % BoxGroup::size), box);
+      }
+      group /= BoxGroup::size;
     }
   }
   /// Calls `visit(branch)` for all branches whose common box meets a box: for what is to be asked for several boxes
-  /// that are close together. A branch is a group of groups of facets.
+  /// that are close together. A branch is a group of groups of boxes.
   template <class Visit>
   void each_branch(const Box& box, const Visit& visit) const {
     if (!leaves_.empty()) descend(static_cast<int>(levels_.size()) - 1, 0, 0, box, visit);
   }
-  /// Calls `visit(number)` for all facets of a branch whose boxes meet a box.
+  /// Calls `visit(number)` for all of a branch whose boxes meet a box.
   template <class Visit>
   void each_in(std::size_t branch, const Box& box, const Visit& visit) const {
     if (levels_.empty()) return each_in_group(branch, box, visit);
@@ -96,8 +119,18 @@ class FacetTree {
       descend(static_cast<int>(levels_.size()) - 1, -1, 0, box,
               [&](std::size_t group) { each_in_group(group, box, visit); });
   }
+  /// Whether any meets a box.
+  bool meets(const Box& box) const {
+    return !leaves_.empty() && meets_below(static_cast<int>(levels_.size()) - 1, 0, box);
+  }
 
  private:
+  static std::vector<BoxGroup> hulls_of(const std::vector<BoxGroup>& below) {
+    std::vector<BoxGroup> above((below.size() + BoxGroup::size - 1) / BoxGroup::size);
+    for (std::size_t g = 0; g < below.size(); ++g)
+      above[g / BoxGroup::size].set(static_cast<int>(g % BoxGroup::size), below[g].hull());
+    return above;
+  }
   template <class Visit>
   void each_in_group(std::size_t group, const Box& box, const Visit& visit) const {
     leaves_[group].each_meeting(box, [&](int l) { visit(group * BoxGroup::size + static_cast<std::size_t>(l)); });
@@ -110,8 +143,15 @@ class FacetTree {
       descend(level - 1, last, group * BoxGroup::size + static_cast<std::size_t>(l), box, visit);
     });
   }
+  bool meets_below(int level, std::size_t group, const Box& box) const {
+    if (level < 0) return leaves_[group].meeting(box) != 0;
+    for (unsigned left = levels_[static_cast<std::size_t>(level)][group].meeting(box); left != 0; left &= left - 1)
+      if (meets_below(level - 1, group * BoxGroup::size + static_cast<std::size_t>(std::countr_zero(left)), box))
+        return true;
+    return false;
+  }
 
-  int n_ = 0;
+  std::size_t n_ = 0;
   std::vector<BoxGroup> leaves_;
   std::vector<std::vector<BoxGroup>> levels_;  // the last one is a single group, the root
 };

@@ -1,0 +1,174 @@
+// Closest points of facets, taken as four triangles round their centre, to a node.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "kerf/contact_geometry.hpp"
+
+namespace kerf {
+
+// A facet has four triangles: a register of most machines holds one number of each.
+typedef double Four __attribute__((vector_size(32)));
+typedef std::int64_t FourInt __attribute__((vector_size(32)));
+
+inline Four root(Four a) { return Four{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
+
+struct Vectors {
+  Four x, y, z;
+
+  static Vectors all(Vec3 v) { return {Four{} + v.x, Four{} + v.y, Four{} + v.z}; }
+  /// Each lane takes its successor's vector, the last one the first one's.
+  Vectors turned() const {
+    const auto turn = [](Four v) { return __builtin_shufflevector(v, v, 1, 2, 3, 0); };
+    return {turn(x), turn(y), turn(z)};
+  }
+  Vec3 at(int lane) const { return {x[lane], y[lane], z[lane]}; }
+  friend Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vectors operator*(const Vectors& a, const Four& s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend Four dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+  friend Vectors cross(const Vectors& a, const Vectors& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  }
+};
+
+/// Closest point of a triangle to a point (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+struct Closest {
+  double a = 0.0, b = 0.0, c = 0.0;  // barycentric
+  bool inside = false;  // interior to the triangle
+};
+
+inline Closest closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return {1, 0, 0, false};
+  const Vec3 bp = p - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0.0 && d4 <= d3) return {0, 1, 0, false};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+    const double t = d1 - d3 > 0.0 ? d1 / (d1 - d3) : 0.0;
+    return {1 - t, t, 0, false};
+  }
+  const Vec3 cp = p - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0.0 && d5 <= d6) return {0, 0, 1, false};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+    const double t = d2 - d6 > 0.0 ? d2 / (d2 - d6) : 0.0;
+    return {1 - t, 0, t, false};
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
+    const double sum = (d4 - d3) + (d5 - d6);
+    const double t = sum > 0.0 ? (d4 - d3) / sum : 0.0;
+    return {0, 1 - t, t, false};
+  }
+  const double denominator = va + vb + vc;
+  if (!(denominator > 0.0)) return {1, 0, 0, false};
+  const double v = vb / denominator, w = vc / denominator;
+  return {1 - v - w, v, w, true};
+}
+
+/// The four triangles of a facet side by side: corners x[k], x[k + 1], centre.
+struct Triangles {
+  Vectors corner;
+  Vec3 centre;
+
+  explicit Triangles(const FacetGeometry& g) : centre(g.centre) {
+    for (int k = 0; k < 4; ++k) {
+      corner.x[k] = g.x[k].x;
+      corner.y[k] = g.x[k].y;
+      corner.z[k] = g.x[k].z;
+    }
+  }
+};
+
+/// Closest points of four triangles to one point, all at once: the same choices and the same arithmetic, lane by lane,
+/// as closest_on_triangle.
+struct FourClosest {
+  Four a, b, c;  // barycentric
+  FourInt inside;  // interior to the triangle
+  Vectors way;  // from the closest point to the node
+  Four square;  // of its length [m2]
+
+  FourClosest(const Vectors& corner, const Vectors& next, const Vectors& centre, const Vectors& p) {
+    const Vectors ab = next - corner, ac = centre - corner, ap = p - corner, bp = p - next, cp = p - centre;
+    const Four d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
+               d6 = dot(ac, cp);
+    const Four vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+    // Whatever comes first wins.
+    const FourInt at_a = (d1 <= 0.0) & (d2 <= 0.0);
+    FourInt before = at_a;
+    const auto first = [&before](FourInt holds) {
+      const FourInt is_first = holds & ~before;
+      before |= holds;
+      return is_first;
+    };
+    const FourInt at_b = first((d3 >= 0.0) & (d4 <= d3)), on_ab = first((vc <= 0.0) & (d1 >= 0.0) & (d3 <= 0.0));
+    const FourInt at_c = first((d6 >= 0.0) & (d5 <= d6)), on_ac = first((vb <= 0.0) & (d2 >= 0.0) & (d6 <= 0.0));
+    const FourInt on_bc = first((va <= 0.0) & (d4 - d3 >= 0.0) & (d5 - d6 >= 0.0));
+    const Four over = on_ab ? d1 : on_ac ? d2 : on_bc ? d4 - d3 : vb;
+    const Four under = on_ab ? d1 - d3 : on_ac ? d2 - d6 : on_bc ? (d4 - d3) + (d5 - d6) : va + vb + vc;
+    const FourInt sound = under > 0.0;
+    const Four zero{}, one = zero + 1.0;
+    const Four t = sound ? over / under : zero, w = vc / under;
+    inside = sound & ~before;
+    // Without a sound denominator the corner stands for the inside.
+    const FourInt corner_a = at_a | ~(before | sound), corner_b = at_b, corner_c = at_c;
+    a = corner_a ? one : (corner_b | corner_c | on_bc) ? zero : inside ? one - t - w : one - t;
+    b = corner_b ? one : (corner_a | corner_c | on_ac) ? zero : on_bc ? one - t : t;
+    c = corner_c ? one : (corner_a | corner_b | on_ab) ? zero : inside ? w : t;
+    way = p - (corner * a + next * b + centre * c);
+    square = dot(way, way);
+  }
+};
+
+/// The closest point of a facet, and on which side of it the node lies.
+struct Touch {
+  double weights[4] = {};
+  Vec3 direction;  // outward unit vector from the node to the point if below, from the point if above
+  double distance = 1e300;  // [m]
+  double side = 0.0;  // cosine between (node - point) and the normal there; negative below
+  double lowest = 1.0;  // the least side of all triangles that hold the point
+};
+
+/// One piece of code for all callers: inlined, it might be contracted in another way at each.
+[[gnu::noinline]] inline Touch touch_facet(const Triangles& facet, double size, Vec3 s) {
+  const Vectors next = facet.corner.turned(), centre = Vectors::all(facet.centre);
+  const FourClosest closest(facet.corner, next, centre, Vectors::all(s));
+  const Vectors twice = cross(next - facet.corner, centre - facet.corner);
+  const Four length = root(dot(twice, twice)), zero{};
+  const Vectors normal = twice * (1.0 / length);
+  const Four distance = root(closest.square);
+  const Four side = distance > 0.0 ? dot(closest.way, normal) / distance : zero;
+  double least = closest.square[0];
+  for (int k = 1; k < 4; ++k) least = min_of(closest.square[k], least);
+  // Two triangles share the closest point on an edge: the one that faces the node decides the side.
+  const double limit = std::sqrt(least) + 1e-9 * size;
+  const FourInt counts = (closest.square <= limit * limit) & (length > 0.0);
+  int found = -1;
+  double lowest = 1.0;
+  for (int k = 0; k < 4; ++k) {
+    if (counts[k] == 0) continue;
+    lowest = min_of(lowest, side[k]);
+    if (found < 0 || std::fabs(side[k]) > std::fabs(side[found])) found = k;
+  }
+  Touch best;
+  if (found < 0) return best;
+  const int k = found;
+  best.weights[k] = closest.a[k] + 0.25 * closest.c[k];
+  best.weights[(k + 1) % 4] = closest.b[k] + 0.25 * closest.c[k];
+  best.weights[(k + 2) % 4] = 0.25 * closest.c[k];
+  best.weights[(k + 3) % 4] = 0.25 * closest.c[k];
+  best.distance = distance[k];
+  best.side = side[k];
+  best.direction = closest.inside[k] != 0 || !(distance[k] > 0.0)
+                       ? normal.at(k)
+                       : closest.way.at(k) * ((side[k] < 0.0 ? -1.0 : 1.0) / distance[k]);
+  best.lowest = lowest;
+  return best;
+}
+
+}  // namespace kerf
