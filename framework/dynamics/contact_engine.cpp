@@ -51,9 +51,8 @@ void ContactEngine::drop_mirrored(const Model& model, std::vector<ExteriorFacet>
   std::erase_if(facets, [&](const ExteriorFacet& f) {
     std::uint64_t all = ~std::uint64_t{0}, sets[4];
     for (int k = 0; k < 4; ++k) {
-      const std::int32_t node = model.parts[f.part].store->node(f.slot, hex_face[f.face][k]);
-      all &= on_mirror_[node];
-      sets[k] = model.nodes.sets[node];
+      all &= on_mirror_[f.nodes[k]];
+      sets[k] = model.nodes.sets[f.nodes[k]];
     }
     for (std::size_t b = 0; b < mirrored_.size() && all != 0; ++b)
       if ((all >> b & 1u) != 0 && mirrored_[b].holds_facet(f.part, sets)) return true;
@@ -68,7 +67,7 @@ std::vector<std::int32_t> ContactEngine::surface_nodes(const Model& model,
   const auto n = static_cast<std::size_t>(model.nodes.n());
   std::vector<char> mark(n, 0);
   for (const ExteriorFacet& f : facets)
-    for (const int corner : hex_face[f.face]) mark[model.parts[f.part].store->node(f.slot, corner)] = 1;
+    for (const std::int32_t node : f.nodes) mark[node] = 1;
   if (model.ghost_plan) {
     std::vector<std::int64_t> count(mark.begin(), mark.end());
     sum_over_copies(model, count.data(), 1);
@@ -116,8 +115,7 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   const PartModel& part = model.parts[f.part];
   std::uint64_t sets[4];
   for (int k = 0; k < 8; ++k) {
-    const auto& corners = hex_face[k < 4 ? f.face : opposite_face[f.face]];
-    r.locals[k] = part.store->node(f.slot, corners[k % 4]);
+    r.locals[k] = k < 4 ? f.nodes[k] : part.store->node(f.slot, hex_face[opposite_face[f.face]][k - 4]);
     r.nodes[k] = nodes.id[r.locals[k]];
     r.owners[k] = model.node_owner[r.locals[k]];
     if (k < 4) sets[k] = nodes.sets[r.locals[k]];
@@ -315,12 +313,8 @@ bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_l
     add_slave(model, static_cast<std::size_t>(k), slaves);
   }
   std::vector<ExteriorFacet> round;
-  for (const ExteriorFacet& f : model.surface.exterior(model)) {
-    const PartStore& store = *model.parts[f.part].store;
-    const auto& corners = hex_face[f.face];
-    if (std::any_of(corners, corners + 4, [&](int corner) { return stray[store.node(f.slot, corner)] != 0; }))
-      round.push_back(f);
-  }
+  for (const ExteriorFacet& f : model.surface.exterior(model))
+    if ((stray[f.nodes[0]] | stray[f.nodes[1]] | stray[f.nodes[2]] | stray[f.nodes[3]]) != 0) round.push_back(f);
   drop_mirrored(model, round);
   std::vector<ContactFacetRecord> facets = collect_facets(model, round);
   if (model.n_ranks() > 1) {

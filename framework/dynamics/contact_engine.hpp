@@ -61,6 +61,7 @@ class ContactEngine {
   };
   void search(Model& model, const Step& step);
   bool keep_complete(Model& model, const Step& step);
+  std::vector<char> parts_with_own_frame() const;
   void find_strays(const Model& model, const Step& step);
   void find_outgrown(const Model& model, const Step& step);
   bool refresh(Model& model, const Step& step, bool all_that_will_leave);

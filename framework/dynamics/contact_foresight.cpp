@@ -1,7 +1,12 @@
 // Where the nodes of one contact definition may be until its next search, and which have left that.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
+
+#ifdef __SSE__
+#include <immintrin.h>
+#endif
 
 #include "dynamics/contact_engine.hpp"
 
@@ -23,14 +28,25 @@ class FrameOrigin {
     Four x;
     std::memcpy(&x, position, sizeof x);
     const Floats seen = __builtin_convertvector(x - origin_, Floats);
-    const Floats low{box.low[0], box.low[1], box.low[2], 0.0f}, high{box.high[0], box.high[1], box.high[2], 0.0f};
-    const auto inside = (seen >= low) & (seen <= high);
-    return (inside[0] & inside[1] & inside[2]) != 0;
+    static_assert(sizeof(Box) == 6 * sizeof(float) && offsetof(Box, high) == 3 * sizeof(float));
+    Floats low, high;  // the fourth entry of `low` and the first of `high` belong to the other corner
+    std::memcpy(&low, &box, sizeof low);
+    std::memcpy(&high, reinterpret_cast<const char*>(&box) + 2 * sizeof(float), sizeof high);
+    const auto above = seen >= low, below = seen <= __builtin_shufflevector(high, high, 1, 2, 3, 0);
+    return (bits_of(above & below) & 7u) == 7u;
   }
 
  private:
   typedef double Four __attribute__((vector_size(32)));
   typedef float Floats __attribute__((vector_size(16)));
+  typedef std::int32_t Answer __attribute__((vector_size(16)));
+  static unsigned bits_of(Answer yes) {
+#ifdef __SSE__
+    return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(yes)));
+#else
+    return (yes[0] & 1u) | (yes[1] & 2u) | (yes[2] & 4u);
+#endif
+  }
   Four origin_;
 };
 
@@ -107,12 +123,20 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   return true;
 }
 
+/// Per part, whether it moves in another way than the common frame; where it does not, both boxes of its nodes are one.
+std::vector<char> ContactEngine::parts_with_own_frame() const {
+  std::vector<char> has_own;
+  for (const Vec3 v : part_velocities_) has_own.push_back(norm(v - drift_velocity_) > 0.0);
+  return has_own;
+}
+
 /// Lists the nodes that have left their boxes. Positions have been advanced already.
 void ContactEngine::find_strays(const Model& model, const Step& step) {
   strays_.clear();
   const double since = step.end() - search_time_;
   std::vector<FrameOrigin> own;
   for (const Vec3 v : part_velocities_) own.emplace_back(v * since);
+  const std::vector<char> has_own = parts_with_own_frame();
   const FrameOrigin common(drift_velocity_ * since);
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     constexpr std::size_t ahead = 16;  // far enough for a node's position to arrive
@@ -121,7 +145,7 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
       return &model.nodes.position[4 * static_cast<std::size_t>(tracked_[of].node)];
     };
     __builtin_prefetch(position(std::min(k + ahead, tracked_.size() - 1)));
-    if (!(common.sees_in(t.box, position(k)) & own[t.part].sees_in(t.own_box, position(k))))
+    if (!common.sees_in(t.box, position(k)) || (has_own[t.part] && !own[t.part].sees_in(t.own_box, position(k))))
       strays_.push_back({static_cast<std::int32_t>(k), in_common_frame | in_own_frame});
   }
 }
@@ -129,13 +153,16 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
 /// Lists the nodes whose boxes are too small for what their velocities foretell until the horizon.
 void ContactEngine::find_outgrown(const Model& model, const Step& step) {
   strays_.clear();
+  const std::vector<char> has_own = parts_with_own_frame();
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     const Tracked& t = tracked_[k];
     const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node);
     const double margin = kept_margin * slack_;
     unsigned outgrown = 0;
     if (!t.box.contains(whereabouts(x, v, drift_velocity_, margin, step.end()))) outgrown |= in_common_frame;
-    if (!t.own_box.contains(whereabouts(x, v, part_velocities_[t.part], margin, step.end()))) outgrown |= in_own_frame;
+    if (!has_own[t.part] && outgrown != 0) outgrown |= in_own_frame;
+    if (has_own[t.part] && !t.own_box.contains(whereabouts(x, v, part_velocities_[t.part], margin, step.end())))
+      outgrown |= in_own_frame;
     if (outgrown != 0) strays_.push_back({static_cast<std::int32_t>(k), outgrown});
   }
 }

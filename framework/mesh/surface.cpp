@@ -17,6 +17,10 @@ std::array<std::int32_t, 4> face_nodes(const PartStore& store, int slot, int fac
           store.node(slot, hex_face[face][3])};
 }
 
+ExteriorFacet facet(const Model& model, std::int32_t part, std::int32_t slot, std::int32_t face) {
+  return {part, slot, face, face_nodes(*model.parts[part].store, slot, face)};
+}
+
 struct FaceKey {
   std::int32_t low, mid, high;  // the three larger nodes, sorted; the smallest one is the bucket
   std::int32_t element, face;
@@ -127,6 +131,7 @@ void Surface::match_remote(const Model& model, const std::vector<std::int64_t>& 
 
 void Surface::update(const Model& model) {
   known_ = known_ == Known::all ? Known::all_but_last_deaths : Known::nothing;
+  tidy_ = false;
   if (model.n_ranks() == 1 || !plan_) return;
   alive_.assign(neighbour_.size(), 0);
   for (std::size_t p = 0; p < model.parts.size(); ++p)
@@ -145,7 +150,7 @@ std::vector<ExteriorFacet> Surface::opened_by(const Model& model, const std::vec
     for (const std::int32_t n : neighbour_[dead]) {
       if (n < 0 || !model.parts[r.part].store->live(n - offset_[r.part])) continue;
       for (std::int32_t face = 0; face < 6; ++face)
-        if (neighbour_[n][face] == dead) opened.push_back({r.part, n - offset_[r.part], face});
+        if (neighbour_[n][face] == dead) opened.push_back(facet(model, r.part, n - offset_[r.part], face));
     }
   }
   for (const RemoteFace& f : remote_faces_) {
@@ -153,7 +158,7 @@ std::vector<ExteriorFacet> Surface::opened_by(const Model& model, const std::vec
     const auto part =
         static_cast<std::int32_t>(std::upper_bound(offset_.begin(), offset_.end(), f.element) - offset_.begin()) - 1;
     if (model.parts[part].store->live(f.element - offset_[part]))
-      opened.push_back({part, f.element - offset_[part], f.face});
+      opened.push_back(facet(model, part, f.element - offset_[part], f.face));
   }
   if (known_ == Known::all_but_last_deaths) {
     exterior_.insert(exterior_.end(), opened.begin(), opened.end());
@@ -186,6 +191,7 @@ void Surface::compact(const Model& model, const std::vector<std::vector<std::int
   for (ExteriorFacet& f : exterior_) f.slot = moved[f.part][f.slot];
   std::erase_if(exterior_, [](const ExteriorFacet& f) { return f.slot < 0; });
   n_sorted_ = 0;
+  tidy_ = false;
   if (plan_) {
     // The plan refers to old element numbers of the boundary elements: dead ones stay in it with flag 0.
     plan_->renumber([&](std::int32_t old) { return number[old]; });
@@ -207,11 +213,12 @@ void Surface::find_exterior(const Model& model) {
       if (!store.live(s)) continue;
       for (int f = 0; f < 6; ++f)
         if (open_face(model, static_cast<int>(p), offset_[p] + s, f))
-          exterior_.push_back({static_cast<std::int32_t>(p), s, f});
+          exterior_.push_back(facet(model, static_cast<std::int32_t>(p), s, f));
     }
   }
   n_sorted_ = exterior_.size();
   known_ = Known::all;
+  tidy_ = true;
 }
 
 const std::vector<ExteriorFacet>& Surface::exterior(const Model& model) {
@@ -219,12 +226,14 @@ const std::vector<ExteriorFacet>& Surface::exterior(const Model& model) {
     find_exterior(model);
     return exterior_;
   }
+  if (tidy_) return exterior_;
   const auto dead = [&](const ExteriorFacet& f) { return !model.parts[f.part].store->live(f.slot); };
   const auto tail = exterior_.begin() + static_cast<std::ptrdiff_t>(n_sorted_);
   std::sort(tail, exterior_.end());
   std::inplace_merge(exterior_.begin(), tail, exterior_.end());
   std::erase_if(exterior_, dead);
   n_sorted_ = exterior_.size();
+  tidy_ = true;
   return exterior_;
 }
 

@@ -24,6 +24,7 @@ inline constexpr int opposite_face[6] = {1, 0, 4, 5, 2, 3};
 
 struct ExteriorFacet {
   std::int32_t part = 0, slot = 0, face = 0;
+  std::array<std::int32_t, 4> nodes = {};  // of the corners, in the order of hex_face
   auto operator<=>(const ExteriorFacet&) const = default;
 };
 
@@ -68,6 +69,7 @@ class Surface {
   Known known_ = Known::nothing;
   std::vector<ExteriorFacet> exterior_;
   std::size_t n_sorted_ = 0;
+  bool tidy_ = false;  // sorted, and none of a dead element
   std::unique_ptr<ExchangePlan> plan_;
 };
 
