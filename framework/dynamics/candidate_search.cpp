@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/assert.hpp"
 #include "dynamics/box_tree.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 /// The facets of one part, for slaves of other parts and for its own.
 struct PartFacets {
-  std::vector<std::int32_t> facet;  // in the order of the trees
+  std::vector<std::int32_t> facet;  // in the order of the trees; dead ones stay, with empty boxes
   BoxTree others, own;
 
   void finish() {
@@ -61,6 +62,7 @@ struct CandidateSearch::Tables {
   std::vector<std::uint32_t> role;  // per facet; 0 of those that are gone
   Around around;
   std::vector<PartFacets> parts;
+  std::vector<std::int32_t> place_in_tree;  // per facet: in its part's trees, or -1
   std::vector<std::int32_t> late;  // facets that the trees have not, or not in their present size
   std::vector<std::size_t> branches;  // of a tree, that a cluster meets; kept for its memory
   std::vector<SlaveCluster> clusters;
@@ -107,17 +109,34 @@ struct CandidateSearch::Tables {
   }
 
   void plant_trees() {
-    for (PartFacets& p : parts) p = {};
-    for (std::size_t f = 0; f < facets.size(); ++f) {
-      if (role[f] == 0) continue;
-      const auto part = static_cast<std::size_t>(facets[f].part);
-      if (part >= parts.size()) parts.resize(part + 1);
-      parts[part].facet.push_back(static_cast<std::int32_t>(f));
-      parts[part].others.add(facets[f].box);
-      if (same_part) parts[part].own.add(facets[f].own_box);
+    for (std::size_t f = 0; f < facets.size(); ++f) plant(static_cast<std::int32_t>(f));
+    for (PartFacets& p : parts) p.finish();
+  }
+  /// Puts the present boxes of a facet into its part's trees.
+  void plant(std::int32_t f) {
+    if (role[f] == 0) return;
+    const auto part = static_cast<std::size_t>(facets[f].part);
+    if (part >= parts.size()) parts.resize(part + 1);
+    place_in_tree.resize(facets.size(), -1);
+    if (place_in_tree[f] < 0) {
+      place_in_tree[f] = static_cast<std::int32_t>(parts[part].facet.size());
+      parts[part].facet.push_back(f);
     }
+    set_in_tree(f, facets[f].box, facets[f].own_box);
+  }
+  void replant(const Changed& changed) {
+    for (const std::vector<std::int32_t>* list : {&std::as_const(late), &changed.boxes, &changed.own_boxes})
+      for (const std::int32_t f : *list) plant(f);
     for (PartFacets& p : parts) p.finish();
     late.clear();
+  }
+  void uproot(std::int32_t f) {
+    if (f < static_cast<std::int32_t>(place_in_tree.size()) && place_in_tree[f] >= 0) set_in_tree(f, {}, {});
+  }
+  void set_in_tree(std::int32_t f, const Box& box, const Box& own_box) {
+    PartFacets& p = parts[facets[f].part];
+    p.others.set(static_cast<std::size_t>(place_in_tree[f]), box);
+    if (same_part) p.own.set(static_cast<std::size_t>(place_in_tree[f]), own_box);
   }
   /// Trees over what has changed, for every part; not for finding facets.
   std::vector<PartFacets> trees_of(const Changed& changed) const {
@@ -302,9 +321,9 @@ struct CandidateSearch::Tables {
       if (p != part && trees[p].others.meets(cluster.box)) return true;
     return false;
   }
-  /// Plants the trees anew, and finds anew what slaves with other boxes, and slaves near facets with other boxes, meet.
+  /// Finds anew what slaves with other boxes, and slaves near facets with other boxes, meet.
   void find_changed(const Changed& changed) {
-    plant_trees();
+    replant(changed);
     const std::vector<PartFacets> trees = trees_of(changed);
     for (std::size_t c = 0; c < clusters.size(); ++c) {
       SlaveCluster& cluster = clusters[c];
@@ -348,6 +367,7 @@ struct CandidateSearch::Tables {
       if (maybe[static_cast<std::size_t>(element % few)] == 0 || role[f] == 0) continue;
       if (!std::binary_search(dead.begin(), dead.end(), element)) continue;
       role[f] = 0;
+      uproot(static_cast<std::int32_t>(f));
       if (listed_facet[f] >= 0) gone_from_lists[listed_facet[f]] = any_gone = true;
       listed_facet[f] = gone;
       for (int k = 0; k < 4; ++k) {

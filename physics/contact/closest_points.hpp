@@ -4,34 +4,25 @@
 #include <cmath>
 #include <cstdint>
 
-#include "kerf/contact_geometry.hpp"
+#include <kerf/contact_geometry.hpp>
+#include <kerf/lanes.hpp>
+
+#include "side_by_side.hpp"
 
 namespace kerf {
 
 // A facet has four triangles: a register of most machines holds one number of each.
 typedef double Four __attribute__((vector_size(32)));
 typedef std::int64_t FourInt __attribute__((vector_size(32)));
+using FourVectors = SideBySide<Four>;
 
 inline Four root(Four a) { return Four{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
-
-struct Vectors {
-  Four x, y, z;
-
-  static Vectors all(Vec3 v) { return {Four{} + v.x, Four{} + v.y, Four{} + v.z}; }
-  /// Each lane takes its successor's vector, the last one the first one's.
-  Vectors turned() const {
-    const auto turn = [](Four v) { return __builtin_shufflevector(v, v, 1, 2, 3, 0); };
-    return {turn(x), turn(y), turn(z)};
-  }
-  Vec3 at(int lane) const { return {x[lane], y[lane], z[lane]}; }
-  friend Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Vectors operator*(const Vectors& a, const Four& s) { return {a.x * s, a.y * s, a.z * s}; }
-  friend Four dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-  friend Vectors cross(const Vectors& a, const Vectors& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-  }
-};
+inline FourVectors all_four(Vec3 v) { return {Four{} + v.x, Four{} + v.y, Four{} + v.z}; }
+/// Each lane takes its successor's vector, the last one the first one's.
+inline FourVectors turned(const FourVectors& v) {
+  const auto turn = [](Four a) { return __builtin_shufflevector(a, a, 1, 2, 3, 0); };
+  return {turn(v.x), turn(v.y), turn(v.z)};
+}
 
 /// Closest point of a triangle to a point (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 struct Closest {
@@ -73,15 +64,20 @@ inline Closest closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
 
 /// The four triangles of a facet side by side: corners x[k], x[k + 1], centre.
 struct Triangles {
-  Vectors corner;
-  Vec3 centre;
+  FourVectors corner, centre;
 
-  explicit Triangles(const FacetGeometry& g) : centre(g.centre) {
-    for (int k = 0; k < 4; ++k) {
-      corner.x[k] = g.x[k].x;
-      corner.y[k] = g.x[k].y;
-      corner.z[k] = g.x[k].z;
-    }
+  Triangles(const ContactView& view, int facet) {
+    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
+    Four row[4];
+    for (int k = 0; k < 4; ++k) row[k] = detail::row_of(view.position, n[k]);
+    const Four xz01 = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
+    const Four xz23 = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
+    const Four yw01 = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
+    const Four yw23 = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
+    corner = {__builtin_shufflevector(xz01, xz23, 0, 1, 4, 5), __builtin_shufflevector(yw01, yw23, 0, 1, 4, 5),
+              __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7)};
+    const Four mean = (row[0] + row[1] + row[2] + row[3]) * 0.25;
+    centre = all_four({mean[0], mean[1], mean[2]});
   }
 };
 
@@ -90,11 +86,11 @@ struct Triangles {
 struct FourClosest {
   Four a, b, c;  // barycentric
   FourInt inside;  // interior to the triangle
-  Vectors way;  // from the closest point to the node
+  FourVectors way;  // from the closest point to the node
   Four square;  // of its length [m2]
 
-  FourClosest(const Vectors& corner, const Vectors& next, const Vectors& centre, const Vectors& p) {
-    const Vectors ab = next - corner, ac = centre - corner, ap = p - corner, bp = p - next, cp = p - centre;
+  FourClosest(const FourVectors& corner, const FourVectors& next, const FourVectors& centre, const FourVectors& p) {
+    const FourVectors ab = next - corner, ac = centre - corner, ap = p - corner, bp = p - next, cp = p - centre;
     const Four d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
                d6 = dot(ac, cp);
     const Four vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
@@ -136,11 +132,11 @@ struct Touch {
 
 /// One piece of code for all callers: inlined, it might be contracted in another way at each.
 [[gnu::noinline]] inline Touch touch_facet(const Triangles& facet, double size, Vec3 s) {
-  const Vectors next = facet.corner.turned(), centre = Vectors::all(facet.centre);
-  const FourClosest closest(facet.corner, next, centre, Vectors::all(s));
-  const Vectors twice = cross(next - facet.corner, centre - facet.corner);
+  const FourVectors next = turned(facet.corner);
+  const FourClosest closest(facet.corner, next, facet.centre, all_four(s));
+  const FourVectors twice = cross(next - facet.corner, facet.centre - facet.corner);
   const Four length = root(dot(twice, twice)), zero{};
-  const Vectors normal = twice * (1.0 / length);
+  const FourVectors normal = twice * (1.0 / length);
   const Four distance = root(closest.square);
   const Four side = distance > 0.0 ? dot(closest.way, normal) / distance : zero;
   double least = closest.square[0];

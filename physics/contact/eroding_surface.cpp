@@ -5,13 +5,13 @@
 // about another. Nothing is remembered from step to step, so nothing can be lost when facets vanish, appear or move to
 // another rank. Facets are taken as four triangles round their centre, which closes the surface without gaps.
 #include <kerf/contact_geometry.hpp>
-#include <kerf/lanes.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <span>
 
 #include "closest_points.hpp"
+#include "facet_slabs.hpp"
 
 namespace {
 
@@ -64,12 +64,12 @@ struct ErodingSurface final : Contact {
   double reach(const FacetBounds& facet) const override { return reach(facet.edge); }
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {
-    const Measured facets = measure(view);
+    const FacetSlabs slabs(view, depth);
     Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
-      each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
+      each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
         const int node = view.slave[i];
-        const FacetGeometry& g = facets.geometry[facet];
+        const FacetGeometry g(view, facet);
         const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
         const double mass = effective_mass(view, node, n, t.weights);
         const double stiffness = min_of(penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness,
@@ -82,12 +82,12 @@ struct ErodingSurface final : Contact {
   }
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
-    const Measured facets = measure(view);
+    const FacetSlabs slabs(view, depth);
     Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
       double deepest = 0.0;
-      each_touch(view, i, facets, near, [&](int facet, const Touch& t) {
-        if (t.distance >= 1e-6 * facets.geometry[facet].size) deepest = max_of(deepest, t.distance);
+      each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
+        if (t.distance >= 1e-6 * slabs.size(facet)) deepest = max_of(deepest, t.distance);
       });
       if (!(deepest > 0.0)) continue;
       nodes.push_back(view.slave[i]);
@@ -98,84 +98,6 @@ struct ErodingSurface final : Contact {
 
  private:
   double reach(double edge) const { return depth * edge; }
-
-  /// Of every facet, the flat cylinder that holds its four triangles, and what else decides about most nodes.
-  struct Slabs {
-    struct alignas(32) Row {
-      double entry[4];
-    };
-    std::vector<Row> centres;  // and the radius, across the normal [m]
-    std::vector<Row> normals;  // and the warp, along it [m]
-    std::vector<Row> sizes;  // longest edge, reach, greatest penetration [m]
-
-    void add(const FacetGeometry& g, double reach, double deepest) {
-      double square = 0.0, warp = 0.0;
-      for (int k = 0; k < 4; ++k) {
-        const Vec3 d = g.x[k] - g.centre;
-        square = max_of(square, dot(d, d));
-        warp = max_of(warp, std::fabs(dot(d, g.normal)));
-      }
-      centres.push_back({g.centre.x, g.centre.y, g.centre.z, std::sqrt(square)});
-      normals.push_back({g.normal.x, g.normal.y, g.normal.z, warp});
-      sizes.push_back({g.size, reach, deepest, 0.0});
-    }
-  };
-
-  /// Where a node lies, seen from the cylinders of some facets side by side.
-  struct Seen {
-    Lanes normal_x, normal_y, normal_z, size;
-    Lanes height, across;  // over the plane; square of the distance from the axis [m2]
-    Lanes radius, warp, reach, deepest;
-
-    Seen(const Slabs& slabs, const std::int32_t* facet, Vec3 s) {
-      Lanes x, y, z, unused;
-      gather_rows(slabs.centres.data()->entry, facet, x, y, z, radius);
-      gather_rows(slabs.normals.data()->entry, facet, normal_x, normal_y, normal_z, warp);
-      gather_rows(slabs.sizes.data()->entry, facet, size, reach, deepest, unused);
-      x = s.x - x;
-      y = s.y - y;
-      z = s.z - z;
-      height = normal_x * x + normal_y * y + normal_z * z;
-      across = x * x + y * y + z * z - height * height;
-    }
-    /// Cosine between the facets' normals and a unit vector.
-    Lanes along(Vec3 v) const { return normal_x * v.x + normal_y * v.y + normal_z * v.z; }
-    /// Square of a distance that no point of the facet is closer than [m2].
-    Lanes least_square() const {
-      const Lanes zero{}, over = max_of(abs_of(height) - warp, zero);
-      const Lanes beside = max_of(sqrt_of(max_of(across, zero)) - radius, zero);
-      return (over * over + beside * beside) * (1.0 - 1e-6);  // far more than round-off
-    }
-    /// Whether the facet is taken to be able to push the node. A way to the closest point that is not straight leads
-    /// sideways by the depth at most. Below a facet that is folded is below its mean plane, here.
-    unsigned may_push() const {
-      const Lanes most = radius + deepest;
-      return mask_of((height <= 1e-6 * size + warp) & (height >= -1.01 * deepest - warp) & (across <= most * most));
-    }
-    /// Whether the node may be within reach of the facet, given the square of a distance that it is not closer than.
-    unsigned within_reach(Lanes least_square) const { return mask_of(least_square <= reach * reach); }
-  };
-  /// Calls `visit(facets, lanes in use)` for as many facets at a time as there are lanes, until it says true.
-  template <class Visit>
-  static bool until(std::span<const std::int32_t> facets, const Visit& visit) {
-    std::size_t k = 0;
-    for (; k + register_lanes <= facets.size(); k += register_lanes)
-      if (visit(facets.data() + k, all_lanes)) return true;
-    if (k == facets.size()) return false;
-    std::int32_t rest[register_lanes];
-    for (std::size_t l = 0; l < register_lanes; ++l) rest[l] = facets[std::min(k + l, facets.size() - 1)];
-    return visit(rest, (1u << (facets.size() - k)) - 1u);
-  }
-
-  struct Measured {
-    Slabs slabs;
-    std::vector<FacetGeometry> geometry;
-    std::vector<Triangles> triangles;
-
-    double reach(std::int32_t facet) const { return slabs.sizes[facet].entry[1]; }
-    double deepest(std::int32_t facet) const { return slabs.sizes[facet].entry[2]; }
-    Touch touch(std::int32_t facet, Vec3 s) const { return touch_facet(triangles[facet], geometry[facet].size, s); }
-  };
 
   /// The facets of one body that a node may be within reach of.
   struct Near {
@@ -188,26 +110,10 @@ struct ErodingSurface final : Contact {
     double least_flush = 1e300;  // of those that are left out as flush [m2]
   };
 
-  Measured measure(const ContactView& view) const {
-    Measured m;
-    for (auto* rows : {&m.slabs.centres, &m.slabs.normals, &m.slabs.sizes})
-      rows->reserve(static_cast<std::size_t>(view.n_facets));
-    m.geometry.reserve(static_cast<std::size_t>(view.n_facets));
-    m.triangles.reserve(static_cast<std::size_t>(view.n_facets));
-    for (int f = 0; f < view.n_facets; ++f) {
-      m.geometry.emplace_back(view, f);
-      const FacetGeometry& g = m.geometry.back();
-      const double edge = view.facet_edge[f];
-      m.slabs.add(g, reach(edge), depth * min_of(min_of(g.thickness, g.size), edge));
-      m.triangles.emplace_back(m.geometry.back());
-    }
-    return m;
-  }
-
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.
   template <class Push>
-  void each_touch(const ContactView& view, int i, const Measured& facets, Near& near, const Push& push) const {
+  void each_touch(const ContactView& view, int i, const FacetSlabs& slabs, Near& near, const Push& push) const {
     const Vec3 s = view.x(view.slave[i]);
     Vec3 own;
     bool has_own = false;
@@ -218,8 +124,8 @@ struct ErodingSurface final : Contact {
       while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
       const bool same_part = view.facet_part[*from] == view.node_part[view.slave[i]];
       // Most slaves are near no facet of a body that could push them, and cost no more than this.
-      const bool any = until({from, to}, [&](const std::int32_t* some, unsigned in_use) {
-        const Seen seen(facets.slabs, some, s);
+      const bool any = FacetSlabs::until({from, to}, [&](const std::int32_t* some, unsigned in_use) {
+        const FacetSlabs::Seen seen(slabs, some, s);
         unsigned pushing = seen.may_push() & in_use;
         if (pushing == 0) return false;
         pushing &= seen.within_reach(seen.least_square());
@@ -229,7 +135,7 @@ struct ErodingSurface final : Contact {
         return !same_part || dot(own, own) == 0.0 || (pushing & mask_of(seen.along(own) < opposing)) != 0;
       });
       Touch t;
-      const int facet = any ? locate(view, view.slave[i], own, {from, to}, facets, near, t) : -1;
+      const int facet = any ? locate(view, view.slave[i], own, {from, to}, slabs, near, t) : -1;
       if (facet >= 0) push(facet, t);
       from = to;
     }
@@ -240,26 +146,26 @@ struct ErodingSurface final : Contact {
 
   /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
   /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
-  int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets,
-             const Measured& measured, Near& near, Touch& best) const {
+  int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets, const FacetSlabs& slabs,
+             Near& near, Touch& best) const {
     const Vec3 s = view.x(node);
     const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
-    list_near(s, own, same_part, facets, measured, near);
-    const int found = closest_of(near, s, measured, best);
+    list_near(s, own, same_part, facets, slabs, near);
+    const int found = closest_of(view, near, s, slabs, best);
     if (found < 0) return -1;
-    const FacetGeometry& g = measured.geometry[found];
-    if (best.distance > measured.deepest(found)) return -1;
+    if (best.distance > slabs.deepest(found)) return -1;
     // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
     // straight below a facet that faces the node is believed to be inside.
-    if (same_part) return best.side < straight_below && faces(own, g.normal) ? found : -1;
+    if (same_part) return best.side < straight_below && faces(own, slabs.normal(found)) ? found : -1;
     if (std::fabs(best.side) > 1.0 - 1e-9) return best.side < 0.0 ? found : -1;
     // Below an edge or a corner the surface as a whole decides; mostly all facets that hold the point agree.
-    const double around = best.distance + 1e-6 * g.size;
+    const double around = best.distance + 1e-6 * slabs.size(found);
     if (best.lowest >= 0.0 && near.least_flush > around * around) return -1;
+    const std::int32_t* corners = view.facet_nodes + 4 * static_cast<std::int64_t>(found);
     Vec3 point;
-    for (int k = 0; k < 4; ++k) point = point + g.x[k] * best.weights[k];
+    for (int k = 0; k < 4; ++k) point = point + view.x(corners[k]) * best.weights[k];
     const Vec3 away = s - point;
-    if (!(dot(away, normal_at(facets, measured, point, best.distance)) < 0.0)) return -1;
+    if (!(dot(away, normal_at(view, facets, slabs, point, best.distance)) < 0.0)) return -1;
     // A node on the edge itself is off it by round-off alone: length and direction must be those of one vector.
     best.distance = norm(away);
     if (!(best.distance > 0.0)) return -1;
@@ -268,14 +174,14 @@ struct ErodingSurface final : Contact {
   }
 
   /// Lists the facets of one body that the node may be within reach of, and which of them is probably closest.
-  void list_near(Vec3 s, Vec3 own, bool same_part, std::span<const std::int32_t> facets, const Measured& measured,
+  void list_near(Vec3 s, Vec3 own, bool same_part, std::span<const std::int32_t> facets, const FacetSlabs& slabs,
                  Near& near) const {
     near.facets.clear();
     near.first = -1;
     near.least_flush = 1e300;
     double least = 1e300;
-    until(facets, [&](const std::int32_t* some, unsigned in_use) {
-      const Seen seen(measured.slabs, some, s);
+    FacetSlabs::until(facets, [&](const std::int32_t* some, unsigned in_use) {
+      const FacetSlabs::Seen seen(slabs, some, s);
       const Lanes square = seen.least_square();
       unsigned near_by = seen.within_reach(square) & in_use;
       if (near_by == 0) return false;
@@ -297,20 +203,19 @@ struct ErodingSurface final : Contact {
   }
 
   /// The closest of the near facets within its own reach, or -1. Most need not be looked at after the likely one.
-  int closest_of(const Near& near, Vec3 s, const Measured& measured, Touch& best) const {
+  int closest_of(const ContactView& view, const Near& near, Vec3 s, const FacetSlabs& slabs, Touch& best) const {
     if (near.first < 0) return -1;
-    const FacetGeometry& likely = measured.geometry[near.first];
-    const Touch guess = measured.touch(near.first, s);
-    const bool counts = guess.distance <= measured.reach(near.first);
-    const double enough = counts ? guess.distance + 1e-6 * likely.size : 1e150;
+    const auto touch = [&](int f) { return touch_facet(Triangles(view, f), slabs.size(f), s); };
+    const Touch guess = touch(near.first);
+    const bool counts = guess.distance <= slabs.reach(near.first);
+    const double enough = counts ? guess.distance + 1e-6 * slabs.size(near.first) : 1e150;
     int found = -1;
     double found_size = 0.0;
     for (const auto& [f, least_square] : near.facets) {
       if (least_square > enough * enough) continue;
-      const FacetGeometry& g = measured.geometry[f];
-      const Touch t = f == near.first ? guess : measured.touch(f, s);
-      if (!(t.distance <= measured.reach(f))) continue;
-      const double tolerance = 1e-9 * max_of(g.size, found_size);
+      const Touch t = f == near.first ? guess : touch(f);
+      if (!(t.distance <= slabs.reach(f))) continue;
+      const double tolerance = 1e-9 * max_of(slabs.size(f), found_size);
       const bool nearer = found < 0 || t.distance < best.distance - tolerance;
       const bool same = !nearer && t.distance <= best.distance + tolerance;
       if (!nearer && !same) continue;
@@ -318,7 +223,7 @@ struct ErodingSurface final : Contact {
       if (nearer || std::fabs(t.side) > std::fabs(best.side)) {
         best = t;
         found = f;
-        found_size = g.size;
+        found_size = slabs.size(f);
       }
       best.lowest = lowest;
     }
@@ -328,15 +233,16 @@ struct ErodingSurface final : Contact {
   /// Sum of the normals of all triangles that hold a point of a body's surface, each weighted by the angle that it
   /// takes up there: a point near an edge or a corner is inside just where it lies below this normal (Baerentzen &
   /// Aanaes, "Signed distance computation using the angle weighted pseudonormal", IEEE TVCG 11 (2005) 243-253).
-  Vec3 normal_at(std::span<const std::int32_t> facets, const Measured& measured, Vec3 point, double distance) const {
+  Vec3 normal_at(const ContactView& view, std::span<const std::int32_t> facets, const FacetSlabs& slabs, Vec3 point,
+                 double distance) const {
     Vec3 sum;
     for (const std::int32_t f : facets) {
-      const FacetGeometry& g = measured.geometry[f];
       // Whether a facet that is out of its own reach is listed is a matter of chance.
-      if (distance > measured.reach(f)) continue;
-      const double tolerance = 1e-7 * g.size;
-      const Vec3 d = point - g.centre;
-      if (!(dot(d, d) < 2.0 * g.size * g.size)) continue;
+      if (distance > slabs.reach(f)) continue;
+      const double size = slabs.size(f), tolerance = 1e-7 * size;
+      const Vec3 d = point - slabs.centre(f);
+      if (!(dot(d, d) < 2.0 * size * size)) continue;
+      const FacetGeometry g(view, f);
       for (int k = 0; k < 4; ++k) {
         const Vec3 corner[3] = {g.x[k], g.x[(k + 1) % 4], g.centre};
         const Closest c = closest_on_triangle(point, corner[0], corner[1], corner[2]);

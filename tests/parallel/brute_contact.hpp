@@ -9,6 +9,7 @@
 
 #include "kerf/contact.hpp"
 #include "parallel/global_model.hpp"
+#include "state/aligned.hpp"
 
 namespace kerf::test {
 
@@ -58,7 +59,8 @@ class BruteContact {
   ContactRequest request_;
   std::map<std::int64_t, std::int32_t> number_;  // of node ids
   std::vector<std::int64_t> node_id_, facet_id_;
-  std::vector<double> position_, velocity_, mass_, bulk_modulus_, volume_, edge_;
+  AlignedVector<double> position_, velocity_;
+  std::vector<double> mass_, bulk_modulus_, volume_, edge_;
   std::vector<std::int32_t> node_part_, facet_nodes_, facet_opposite_, facet_part_;
   std::vector<std::int32_t> slave_, candidate_, around_;
   std::vector<ContactRow> candidate_rows_, around_rows_;

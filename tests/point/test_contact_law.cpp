@@ -17,9 +17,9 @@ using kerf::test::make_law;
 struct Roof {
   static constexpr Vec3 ridge = {0.37, 0.0, 0.73};
 
-  std::array<double, 28> position = {-1, 0, -1, 0, -1, 1, -1, 0, 0,  0, 0, 0, 0, 1,
-                                     0,  0, 1,  0, -1, 0, 1,  1, -1, 0, 0, 0, 0, 0};
-  std::array<double, 28> velocity = {};
+  alignas(32) std::array<double, 28> position = {-1, 0, -1, 0, -1, 1, -1, 0, 0,  0, 0, 0, 0, 1,
+                                                 0,  0, 1,  0, -1, 0, 1,  1, -1, 0, 0, 0, 0, 0};
+  alignas(32) std::array<double, 28> velocity = {};
   std::array<double, 7> mass = {1, 1, 1, 1, 1, 1, 1};
   std::array<std::int32_t, 7> node_part = {0, 0, 0, 0, 0, 0, 1};
   std::array<std::int64_t, 7> node_id = {0, 1, 2, 3, 4, 5, 6};

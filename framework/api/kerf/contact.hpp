@@ -22,7 +22,7 @@ struct ContactRow {
 /// whatever a plugin sums or chooses along them is the same on any number of ranks; the order of nodes and facets
 /// themselves means nothing, ties are broken by id. Which facets beyond their reach are listed varies, and some nodes
 /// and facets are listed that no row refers to: a law must not let them matter. Arrays of nodes have four entries per
-/// node.
+/// node, on boundaries of 32 bytes.
 struct ContactView {
   double dt = 0.0;  // of the step that has just been made; the next one is longer by `time.growth` at most [s]
   int n_nodes = 0;
