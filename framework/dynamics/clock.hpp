@@ -13,6 +13,8 @@ class Clock {
   explicit Clock(const TimeInput& input) : input_(input) {}
 
   bool running() const;
+  /// Whether the end time has been reached.
+  bool at_end() const;
   /// The step that would follow, given the least stable step of all elements [s].
   Step plan(double stable) const;
   Step advance(double stable);

@@ -192,7 +192,8 @@ void Reporter::finish(const std::string& exit) {
     const auto scope = simulation_.timers().measure("output");
     if (last_history_cycle_ != simulation_.clock().cycle()) write_history(false);
     if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
-    if (exit == "signal") write_restart();
+    const bool out_of_cycles = exit == "completed" && !simulation_.clock().at_end();
+    if (exit == "signal" || (out_of_cycles && restart_interval_ > 0.0)) write_restart();
     results_.reset();  // makes room for what measures need
   }
   const Summary summary = summarise(exit);

@@ -221,6 +221,19 @@ def test_a_killed_run_goes_on_from_its_last_restart_file(case, uninterrupted):
     frames(case / "out")
 
 
+def test_a_run_that_maximum_cycles_ends_goes_on_where_restart_files_are_asked_for(case, uninterrupted):
+    few = settings(LONG | {"time.maximum_cycles": 20})
+    assert kerf("run", "case.yaml", "--output", "out", *few, cwd=case).returncode == 0
+    assert not (case / "out" / "restart" / "restart.h5").exists()
+    # The interval is longer than the run: it is the end of the cycles that writes the file.
+    asked = ["--set", "output.restart_interval=1 s"]
+    assert kerf("run", "case.yaml", "--output", "out", *few, *asked, cwd=case).returncode == 0
+    done = kerf("run", "case.yaml", "--output", "out", "--resume", *settings(LONG), cwd=case)
+    assert done.returncode == 0, done.stderr
+    assert summary_of(case / "out")["state_hash"] == summary_of(uninterrupted / "out")["state_hash"]
+    frames(case / "out")
+
+
 def test_ranks_do_not_outlive_the_command_that_started_them(case):
     process = start(case, 2, LONG | {"time.end": "1 s"})
     children = descendants(process.pid)[1:]
