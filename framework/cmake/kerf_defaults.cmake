@@ -18,7 +18,8 @@ endif()
 # No lanes are peeled off a loop to reach an aligned address: a lane that is computed alone takes another log or exp,
 # or contracts otherwise, than its neighbours, and what an element gets would depend on where it stands.
 # -Wno-restrict: GCC 12 warns about its own std::string (GCC bug 105651).
-set(KERF_COMPILE_OPTIONS -Wall -Wextra -Wno-restrict -fopenmp-simd -fno-math-errno -fno-trapping-math
+# -Wno-psabi: vectors wider than registers are handed over within one program only, all of it compiled alike.
+set(KERF_COMPILE_OPTIONS -Wall -Wextra -Wno-restrict -Wno-psabi -fopenmp-simd -fno-math-errno -fno-trapping-math
                          --param=vect-max-peeling-for-alignment=0)
 if(KERF_NATIVE)
   list(APPEND KERF_COMPILE_OPTIONS -march=native)

@@ -1,6 +1,7 @@
 // A tree of boxes over what are neighbours in the list as a rule, as elements along a space-filling curve are.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <vector>
@@ -94,7 +95,7 @@ class BoxTree {
       if (level == levels_.size()) {
         levels_.push_back(hulls_of(level == 0 ? leaves_ : levels_[level - 1]));
       } else {
-        if (levels_[level].size() * BoxGroup::size < n_below) levels_[level].emplace_back();
+        while (levels_[level].size() * BoxGroup::size < n_below) levels_[level].emplace_back();
         levels_[level][group / BoxGroup::size].include(static_cast<int>(group % BoxGroup::size), box);
       }
       group /= BoxGroup::size;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "core/assert.hpp"
 #include "dynamics/box_tree.hpp"
+#include "dynamics/candidate_rows.hpp"
 #include "dynamics/surface_tables.hpp"
 
 namespace kerf {
@@ -50,17 +50,11 @@ struct SlaveCluster {
 
 }  // namespace
 
-struct CandidateSearch::Tables {
-  std::vector<ContactNodeRecord> slaves;
-  std::vector<ContactFacetRecord> facets;
+struct CandidateSearch::Tables : SearchRecords {
   bool same_part;
-  Numbering numbering, facet_numbers{0, 0};  // of nodes; of facets, as far as somebody asked
-  std::vector<std::int64_t> ids;  // of the facets
-  std::vector<Corners> corners;
-  std::vector<std::int32_t> number;  // node number of each slave
+  Numbering facet_numbers{0, 0};  // as far as somebody asked
   std::vector<std::int32_t> slave_of;  // per node number: the slave, or -1
   std::vector<std::uint32_t> role;  // per facet; 0 of those that are gone
-  Around around;
   std::vector<PartFacets> parts;
   std::vector<std::int32_t> place_in_tree;  // per facet: in its part's trees, or -1
   std::vector<std::int32_t> late;  // facets that the trees have not, or not in their present size
@@ -70,25 +64,12 @@ struct CandidateSearch::Tables {
   BoxTree slave_boxes, slave_own_boxes;
   std::vector<std::int32_t> slave_at;  // per place
   std::vector<std::int32_t> open_cluster;  // per part: the one that has room for another slave, or -1
-  std::vector<std::vector<std::int32_t>> found;  // per slave: facets, sorted by id; dead ones are left in
-  std::vector<std::int32_t> row_of;  // per slave: its row in the lists, or -1
-  std::vector<std::int32_t> slave_of_row;
-  std::vector<std::int32_t> outdated;  // slaves whose rows are to be made anew, some of them perhaps twice
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
   std::int32_t mark = 0;
-  Candidates lists;  // as last asked for; nodes and facets keep their places
-  static constexpr std::int32_t gone = -2;
-  std::vector<std::int32_t> listed_node, listed_facet;  // per node number and facet: place in the lists, -1, or gone
-  std::vector<char> gone_from_lists;  // per facet of the lists
-  bool any_gone = false;  // since the rows were made
-  bool one_rank = false;
+  CandidateRows rows;
 
   Tables(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, bool same, std::size_t n_local)
-      : slaves(std::move(s)),
-        facets(std::move(f)),
-        same_part(same),
-        numbering(slaves.size() + 2 * facets.size(), n_local),
-        one_rank(n_local > 0) {
+      : SearchRecords(std::move(s), std::move(f), n_local), same_part(same), rows(*this, n_local > 0) {
     corners.reserve(facets.size());
     for (const ContactFacetRecord& facet : facets) {
       ids.push_back(facet.id);
@@ -185,7 +166,6 @@ struct CandidateSearch::Tables {
     ring.resize(numbering.size(), 0);
     slave_of.resize(numbering.size(), -1);
     found.resize(slaves.size());
-    row_of.resize(slaves.size(), -1);
   }
   /// Marks the nodes of the facets around a slave.
   void mark_ring(std::size_t s) {
@@ -259,7 +239,7 @@ struct CandidateSearch::Tables {
   /// Sorts what was found for a slave; its row is to be made anew.
   void settle(std::int32_t s) {
     if (found[s].size() > 1) sort_by_id(found[s]);
-    if (!found[s].empty() || row_of[s] >= 0) outdated.push_back(s);
+    if (!found[s].empty() || rows.has(s)) rows.outdate(s);
   }
   /// Pairs of a slave with all facets that there are now.
   void find(std::size_t s) {
@@ -301,6 +281,7 @@ struct CandidateSearch::Tables {
       for (const std::int32_t n : corners[f]) ring[n] = mark;
       const auto take = [&](std::size_t at, bool own) {
         const std::int32_t s = slave_at[at];
+        if (s < 0) return;  // an empty place, which an infinite box meets
         if ((role[f] & slaves[s].role) == 0 || (slaves[s].part == facet.part) != own) return;
         if (own && ring_touches_marked(s)) return;
         found[s].push_back(f);
@@ -359,7 +340,6 @@ struct CandidateSearch::Tables {
     std::sort(dead.begin(), dead.end());
     // Most facets are none of theirs, which a few bits of their ids tell.
     constexpr std::int64_t few = 4096;
-    listed_facet.resize(facets.size(), -1);
     std::vector<char> maybe(few, 0);
     for (const std::int64_t id : dead) maybe[static_cast<std::size_t>(id % few)] = 1;
     for (std::size_t f = 0; f < ids.size(); ++f) {
@@ -368,8 +348,7 @@ struct CandidateSearch::Tables {
       if (!std::binary_search(dead.begin(), dead.end(), element)) continue;
       role[f] = 0;
       uproot(static_cast<std::int32_t>(f));
-      if (listed_facet[f] >= 0) gone_from_lists[listed_facet[f]] = any_gone = true;
-      listed_facet[f] = gone;
+      rows.drop_facet(static_cast<std::int32_t>(f));
       for (int k = 0; k < 4; ++k) {
         around.remove(corners[f][k], static_cast<std::int32_t>(f));
         affected.push_back(corners[f][k]);
@@ -387,115 +366,6 @@ struct CandidateSearch::Tables {
       around.add(corners[f][k], f, ids);
       affected.push_back(corners[f][k]);
     }
-  }
-  std::int32_t list_node(std::int32_t n, std::int64_t id, std::int32_t owner, std::int32_t local, std::int32_t part) {
-    if (listed_node[n] < 0) {
-      listed_node[n] = static_cast<std::int32_t>(lists.node_id.size());
-      lists.node_id.push_back(id);
-      lists.node_owner.push_back(owner);
-      lists.node_local.push_back(local);
-      lists.node_part.push_back(part);
-    }
-    return listed_node[n];
-  }
-  std::int32_t list_corner(std::int32_t f, int k) {
-    const ContactFacetRecord& r = facets[f];
-    return list_node(corners[f][k], r.nodes[k], r.owners[k], r.locals[k], r.part);
-  }
-  std::int32_t list_facet(std::int32_t f) {
-    if (listed_facet[f] < 0) {
-      listed_facet[f] = static_cast<std::int32_t>(lists.facet_id.size());
-      lists.facet_id.push_back(ids[f]);
-      gone_from_lists.push_back(false);
-      lists.facet_part.push_back(facets[f].part);
-      lists.facet_bulk_modulus.push_back(facets[f].bulk_modulus);
-      lists.facet_volume.push_back(facets[f].volume);
-      lists.facet_edge.push_back(std::cbrt(facets[f].volume));
-      for (int k = 0; k < 4; ++k) lists.facet_nodes.push_back(list_corner(f, k));
-    }
-    return listed_facet[f];
-  }
-  /// Writes the row of one slave at the end of the lists, or takes it out where the slave has no candidates.
-  void make_row(std::int32_t s) {
-    const std::size_t before = lists.candidate.size();
-    lists.candidate.resize(before + found[s].size());
-    std::int32_t* end = lists.candidate.data() + before;
-    for (const std::int32_t f : found[s])
-      if (listed_facet[f] != gone) *end++ = list_facet(f);
-    lists.candidate.resize(static_cast<std::size_t>(end - lists.candidate.data()));
-    if (lists.candidate.size() == before) {
-      if (row_of[s] >= 0) remove_row(row_of[s]);
-      return;
-    }
-    if (row_of[s] < 0) append_row(s);
-    const auto row = static_cast<std::size_t>(row_of[s]);
-    lists.candidates[row] = {static_cast<std::int32_t>(before), static_cast<std::int32_t>(lists.candidate.size())};
-    lists.around_rows[row].begin = static_cast<std::int32_t>(lists.around.size());
-    for (const std::int32_t f : around.of(number[s])) lists.around.push_back(list_facet(f));
-    lists.around_rows[row].end = static_cast<std::int32_t>(lists.around.size());
-  }
-  void append_row(std::int32_t s) {
-    row_of[s] = static_cast<std::int32_t>(slave_of_row.size());
-    slave_of_row.push_back(s);
-    const ContactNodeRecord& slave = slaves[s];
-    lists.slave.push_back(list_node(number[s], slave.id, slave.owner, slave.local, slave.part));
-    lists.candidates.emplace_back();
-    lists.around_rows.emplace_back();
-  }
-  void remove_row(std::int32_t row) {
-    row_of[slave_of_row[row]] = -1;
-    if (slave_of_row[row] != slave_of_row.back()) row_of[slave_of_row.back()] = row;
-    for (auto* list : {&slave_of_row, &lists.slave}) {
-      (*list)[row] = list->back();
-      list->pop_back();
-    }
-    for (auto* list : {&lists.candidates, &lists.around_rows}) {
-      (*list)[row] = list->back();
-      list->pop_back();
-    }
-  }
-  /// Takes facets that are gone out of rows around which nothing else has changed. Where one of the facets round the
-  /// slave itself is gone, its row is made anew in any case.
-  void drop_gone() {
-    for (auto row = static_cast<std::int32_t>(lists.candidates.size()) - 1; row >= 0; --row) {
-      auto& [begin, end] = lists.candidates[row];
-      std::int32_t kept = begin;
-      for (std::int32_t k = begin; k < end; ++k)
-        if (gone_from_lists[lists.candidate[k]] == 0) lists.candidate[kept++] = lists.candidate[k];
-      end = kept;
-      if (begin == end) remove_row(row);
-    }
-    any_gone = false;
-  }
-  /// Gives room of rows that were written anew back.
-  static void pack(std::vector<ContactRow>& rows, std::vector<std::int32_t>& entries) {
-    std::size_t used = 0;
-    for (const ContactRow& row : rows) used += static_cast<std::size_t>(row.end - row.begin);
-    if (entries.size() < 2 * used + 1024) return;
-    std::vector<std::int32_t> packed;
-    packed.reserve(2 * used);
-    for (ContactRow& row : rows) {
-      const auto begin = static_cast<std::int32_t>(packed.size());
-      packed.insert(packed.end(), entries.begin() + row.begin, entries.begin() + row.end);
-      row = {begin, static_cast<std::int32_t>(packed.size())};
-    }
-    entries.swap(packed);
-  }
-  void list_all() {
-    const std::size_t before = lists.node_id.size();
-    listed_node.resize(numbering.size(), -1);
-    listed_facet.resize(facets.size(), -1);
-    if (any_gone) drop_gone();
-    std::sort(outdated.begin(), outdated.end());
-    outdated.erase(std::unique(outdated.begin(), outdated.end()), outdated.end());
-    for (const std::int32_t s : outdated) make_row(s);
-    outdated.clear();
-    pack(lists.candidates, lists.candidate);
-    pack(lists.around_rows, lists.around);
-    // Where new nodes have to be fetched from other ranks, those that the next death may lay bare come with them.
-    if (one_rank || lists.node_id.size() == before) return;
-    for (std::size_t f = 0; f < facets.size(); ++f)
-      for (int k = 4; k < 8 && listed_facet[f] >= 0; ++k) list_corner(static_cast<std::int32_t>(f), k);
   }
 };
 
@@ -584,7 +454,7 @@ void CandidateSearch::renew(const std::vector<ContactFacetRecord>& facets,
     const std::int32_t s = t.slave_of[n];
     if (s < 0) continue;
     changed.own_clusters[t.cluster_of(s)] = 1;
-    if (t.row_of[s] >= 0) t.outdated.push_back(s);
+    if (t.rows.has(s)) t.rows.outdate(s);
   }
   t.find_changed(changed);
 }
@@ -595,9 +465,6 @@ bool CandidateSearch::stale() const {
   return tables_->late.size() > std::max(few, tables_->facets.size() / share);
 }
 
-const Candidates& CandidateSearch::candidates() {
-  tables_->list_all();
-  return tables_->lists;
-}
+const Candidates& CandidateSearch::candidates() { return tables_->rows.update(); }
 
 }  // namespace kerf

@@ -1,11 +1,15 @@
-// Dense numbers of nodes, and which facets are round them: what the candidate search looks things up in.
+// The records of a search, dense numbers of their nodes, and which facets are round them: what the candidate search
+// looks things up in.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
+
+#include "dynamics/contact_records.hpp"
 
 namespace kerf {
 
@@ -79,7 +83,7 @@ class Around {
   std::span<const std::int32_t> of(std::int32_t node) const {
     if (node >= static_cast<std::int32_t>(rows_.size())) return {};
     const Row& row = rows_[node];
-    if (row.begin < 0) return changed_[row.end];
+    if (row.begin == elsewhere) return changed_[row.end];
     return {facet_.data() + row.begin, static_cast<std::size_t>(row.end - row.begin)};
   }
   void add(std::int32_t node, std::int32_t facet, const std::vector<std::int64_t>& ids) {
@@ -107,6 +111,21 @@ class Around {
   std::vector<std::int32_t> facet_;
   std::vector<Row> rows_;  // per node
   std::vector<std::vector<std::int32_t>> changed_;
+};
+
+/// What a search was given and has been given since, and how it refers to it. Facets keep their numbers when they die.
+struct SearchRecords {
+  std::vector<ContactNodeRecord> slaves;
+  std::vector<ContactFacetRecord> facets;
+  Numbering numbering;  // of nodes
+  std::vector<std::int64_t> ids;  // of the facets
+  std::vector<Corners> corners;
+  std::vector<std::int32_t> number;  // node number of each slave
+  Around around;
+  std::vector<std::vector<std::int32_t>> found;  // per slave: facets, sorted by id; dead ones are left in
+
+  SearchRecords(std::vector<ContactNodeRecord> s, std::vector<ContactFacetRecord> f, std::size_t n_local)
+      : slaves(std::move(s)), facets(std::move(f)), numbering(slaves.size() + 2 * facets.size(), n_local) {}
 };
 
 }  // namespace kerf

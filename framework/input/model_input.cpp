@@ -102,7 +102,7 @@ void OutputInput::describe(Schema<OutputInput>& s) {
          "time between two lines of history.csv; by default a two-hundredth of the run")
       .optional();
   s.real(&OutputInput::restart_interval, "restart_interval", "s", positive,
-         "time between two restart files; by default only when the run stops early")
+         "time between two restart files; by default only when a signal stops the run")
       .optional();
   s.integer(&OutputInput::progress_interval, "progress_interval", non_negative,
             "cycles between two progress lines; 0 for about twenty lines in a run")

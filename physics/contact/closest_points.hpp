@@ -9,7 +9,7 @@
 
 #include "side_by_side.hpp"
 
-namespace kerf {
+namespace kerf::eroding {
 
 // A facet has four triangles: a register of most machines holds one number of each.
 typedef double Four __attribute__((vector_size(32)));
@@ -167,4 +167,4 @@ struct Touch {
   return best;
 }
 
-}  // namespace kerf
+}  // namespace kerf::eroding

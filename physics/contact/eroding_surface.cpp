@@ -16,6 +16,7 @@
 namespace {
 
 using namespace kerf;
+using namespace kerf::eroding;
 
 struct ErodingSurface final : Contact {
   std::vector<std::string> parts;
@@ -61,7 +62,7 @@ struct ErodingSurface final : Contact {
   // Whatever lies closer to a node than the facet that would push it must be a candidate too, for the closest facet
   // decides: the reach covers the depth of facets of elements as large as this one. It does not change, so that no
   // search has to foresee how facets may stretch.
-  double reach(const FacetBounds& facet) const override { return reach(facet.edge); }
+  double reach(const FacetBounds& facet) const override { return FacetSlabs::reach_of(depth, facet.edge); }
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {
     const FacetSlabs slabs(view, depth);
@@ -97,8 +98,6 @@ struct ErodingSurface final : Contact {
   }
 
  private:
-  double reach(double edge) const { return depth * edge; }
-
   /// The facets of one body that a node may be within reach of.
   struct Near {
     struct Facet {

@@ -12,7 +12,7 @@
 
 #include "side_by_side.hpp"
 
-namespace kerf {
+namespace kerf::eroding {
 
 using LaneVectors = SideBySide<Lanes>;
 
@@ -26,6 +26,9 @@ class FacetSlabs {
     for (auto* rows : {&centres_, &normals_, &sizes_}) rows->resize(n);
     for (std::size_t f = 0; f < n; f += register_lanes) measure(view, depth, f, std::min(f + register_lanes, n));
   }
+  /// How far a facet acts, given the edge of a cube as large as its undeformed element [m].
+  static double reach_of(double depth, double edge) { return depth * edge; }
+
   Vec3 centre(int facet) const { return vector(centres_[facet]); }
   Vec3 normal(int facet) const { return vector(normals_[facet]); }
   double size(int facet) const { return sizes_[facet].entry[0]; }  // longest edge [m]
@@ -69,13 +72,19 @@ class FacetSlabs {
   /// it did.
   template <class Visit>
   static bool until(std::span<const std::int32_t> facets, const Visit& visit) {
-    std::size_t k = 0;
-    for (; k + register_lanes <= facets.size(); k += register_lanes)
-      if (visit(facets.data() + k, all_lanes)) return true;
-    if (k == facets.size()) return false;
     std::int32_t rest[register_lanes];
-    for (std::size_t l = 0; l < register_lanes; ++l) rest[l] = facets[std::min(k + l, facets.size() - 1)];
-    return visit(rest, (1u << (facets.size() - k)) - 1u);
+    // One call, and hence one piece of code for all: what a facet gets must not depend on its place in the list.
+    for (std::size_t k = 0; k < facets.size(); k += register_lanes) {
+      const std::int32_t* some = facets.data() + k;
+      unsigned in_use = all_lanes;
+      if (k + register_lanes > facets.size()) {
+        for (std::size_t l = 0; l < register_lanes; ++l) rest[l] = facets[std::min(k + l, facets.size() - 1)];
+        some = rest;
+        in_use = (1u << (facets.size() - k)) - 1u;
+      }
+      if (visit(some, in_use)) return true;
+    }
+    return false;
   }
 
  private:
@@ -89,12 +98,13 @@ class FacetSlabs {
   /// Some consecutive facets; lanes that are left over repeat the last one.
   void measure(const ContactView& view, double depth, std::size_t begin, std::size_t end) {
     std::int32_t node[4][register_lanes];
-    alignas(64) double volume[register_lanes], edge[register_lanes];
+    alignas(64) double volume[register_lanes], edge[register_lanes], reach[register_lanes];
     for (std::size_t l = 0; l < register_lanes; ++l) {
       const std::size_t f = std::min(begin + l, end - 1);
       for (std::size_t k = 0; k < 4; ++k) node[k][l] = view.facet_nodes[4 * f + k];
       volume[l] = view.facet_volume[f];
       edge[l] = view.facet_edge[f];
+      reach[l] = reach_of(depth, edge[l]);
     }
     LaneVectors x[4];
     for (int k = 0; k < 4; ++k) gather_vector(view.position, node[k], x[k].x, x[k].y, x[k].z);
@@ -115,7 +125,7 @@ class FacetSlabs {
     const Lanes deepest = depth * min_of(min_of(thickness, size), cube);
     store(centres_, begin, end, centre.x, centre.y, centre.z, radius);
     store(normals_, begin, end, normal.x, normal.y, normal.z, warp);
-    store(sizes_, begin, end, size, depth * cube, deepest, zero);
+    store(sizes_, begin, end, size, load_lanes(reach), deepest, zero);
   }
   static void store(std::vector<Row>& rows, std::size_t begin, std::size_t end, const Lanes& a, const Lanes& b,
                     const Lanes& c, const Lanes& d) {
@@ -130,4 +140,4 @@ class FacetSlabs {
   std::vector<Row> sizes_;  // longest edge, reach, greatest penetration [m]
 };
 
-}  // namespace kerf
+}  // namespace kerf::eroding

@@ -41,8 +41,9 @@ balance: {force_interval: )" +
          std::to_string(force_interval) + "}\ncontacts:\n  - " + contact + "\n";
 }
 
-/// Wild bodies leave nothing where it was; of calm ones most nodes rest or glide, so that boxes are kept for long.
-enum class Mood { wild, calm };
+/// Wild bodies leave nothing where it was; of calm ones most nodes rest or glide, so that boxes are kept for long; of
+/// stretched ones the strip becomes three times as long, so that its facets are larger than their elements ever were.
+enum class Mood { wild, calm, stretched };
 
 /// Moves all copies of all nodes along paths that are functions of node and time alone.
 class Puppeteer final : public StepObserver {
@@ -90,7 +91,9 @@ class Puppeteer final : public StepObserver {
       to.z -= 0.45e-3;
       to.x += 25.0 * time;
     } else if (model.nodes.part[i] == 2) {
-      to = bent(to, 2.0 * 3.14159265358979 / 16e-3 * 1.1);
+      const double stretch = mood_ == Mood::stretched ? 1.0 + 2.0 * time / 6e-6 : 1.0;
+      to.x *= stretch;
+      to = bent(to, 2.0 * 3.14159265358979 / 16e-3 * 1.1 / stretch);
     }
     if (scatter(seed_ + 7, item) > 0.1) return to;
     for (std::uint64_t d = 0; d < 3; ++d)
@@ -171,6 +174,11 @@ TEST(ContactEngine, misses_no_pair_while_boxes_are_kept_and_renewed) {
   const auto counts = expect_brute_forces("{type: slide_surface, slave: upper, master: lower, search_interval: 3}", 13,
                                           false, 0, Mood::calm);
   EXPECT_GT(counts.renewals, 0);
+}
+
+TEST(ContactEngine, misses_no_pair_of_facets_that_are_stretched) {
+  for (const char* contact : {"{type: eroding_surface}", "{type: eroding_surface, search_interval: 30}"})
+    expect_brute_forces(contact, 14, true, 5, Mood::stretched);
 }
 
 TEST(ContactEngine, misses_no_pair_without_self_contact) {

@@ -21,8 +21,8 @@ struct ContactRow {
 /// The contact surface as one rank sees it. Lists of facets belonging to a node are sorted by facet id, so that
 /// whatever a plugin sums or chooses along them is the same on any number of ranks; the order of nodes and facets
 /// themselves means nothing, ties are broken by id. Which facets beyond their reach are listed varies, and some nodes
-/// and facets are listed that no row refers to: a law must not let them matter. Arrays of nodes have four entries per
-/// node, on boundaries of 32 bytes.
+/// and facets are listed that no row refers to: a law must not let them matter. Positions and velocities have four
+/// entries per node, on boundaries of 32 bytes.
 struct ContactView {
   double dt = 0.0;  // of the step that has just been made; the next one is longer by `time.growth` at most [s]
   int n_nodes = 0;
@@ -100,7 +100,8 @@ struct ContactRequest {
 /// What is known about a facet before the next search.
 struct FacetBounds {
   double edge = 0.0;  // of a cube as large as the undeformed element [m]
-  double longest_edge = 0.0, thickness = 0.0;  // that the facet and V/A of its element will not exceed [m]
+  double longest_edge = 0.0;  // that the facet's edges will not exceed [m]
+  double thickness = 0.0;  // that the lesser of V/A and the longest edge will not exceed; V/A has no bound [m]
 };
 
 class Contact : public Plugin {

@@ -272,7 +272,8 @@ void contact_forces(benchmark::State& state) {
   const NodeStore& nodes = slabs.model().nodes;
   const auto search = slabs.search(slabs.slaves(), slabs.facets());
   const Candidates& found = search->candidates();
-  std::vector<double> position, velocity, mass;
+  AlignedVector<double> position, velocity;
+  std::vector<double> mass;
   for (const std::int32_t n : found.node_local) {
     mass.push_back(nodes.mass[n]);
     position.insert(position.end(), &nodes.position[4 * n], &nodes.position[4 * n] + 4);
