@@ -76,8 +76,8 @@ int run(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
   if (greatest(comm, std::int64_t{missing ? 1 : 0}) != 0)
     throw InputError(
         {fmt::format("{}/restart/restart.h5: error: there is no restart file to resume from; a run writes one "
-                     "when a signal stops it, and others if output.restart_interval is given; run without --resume, "
-                     "or name the folder of the earlier run with --output",
+                     "when a signal stops it and, if output.restart_interval is given, on the way and after "
+                     "time.maximum_cycles; run without --resume, or name the folder of the earlier run with --output",
                      settings.folder)});
   Simulation simulation(comm, *input, registry);
   make_folder(comm, settings.folder);

@@ -2,7 +2,6 @@
 #include "dynamics/candidate_rows.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace kerf {
 
@@ -62,7 +61,7 @@ std::int32_t CandidateRows::list_facet(std::int32_t f) {
     lists_.facet_part.push_back(records_.facets[f].part);
     lists_.facet_bulk_modulus.push_back(records_.facets[f].bulk_modulus);
     lists_.facet_volume.push_back(records_.facets[f].volume);
-    lists_.facet_edge.push_back(std::cbrt(records_.facets[f].volume));
+    lists_.facet_edge.push_back(records_.facets[f].edge);
     for (int k = 0; k < 4; ++k) lists_.facet_nodes.push_back(list_corner(f, k));
   }
   return listed_facet_[f];

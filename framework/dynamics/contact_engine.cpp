@@ -127,18 +127,20 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   r.part = f.part;
   r.bulk_modulus = part.bulk_modulus;
   r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
-  Vec3 x[4];
+  Vec3 x[4], undeformed[4];
   for (int k = 0; k < 4; ++k) {
     KERF_ASSERT(track_of_[r.locals[k]] >= 0, "the corners of a facet that takes part are tracked");
     const Tracked& t = tracked_[track_of_[r.locals[k]]];
     x[k] = nodes.x(r.locals[k]);
+    undeformed[k] = undeformed_[track_of_[r.locals[k]]];
     r.box.include(t.box);
     r.own_box.include(t.own_box);
   }
   const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
   // Facets may shrink, which makes elements thicker.
   FacetBounds bounds;
-  bounds.edge = std::cbrt(r.volume);
+  for (int k = 0; k < 4; ++k) r.edge = std::max(r.edge, norm(undeformed[(k + 1) % 4] - undeformed[k]));
+  bounds.edge = r.edge;
   bounds.longest_edge = longest_edge(r.locals);
   bounds.thickness = std::max(bounds.longest_edge, r.volume / std::max(area, 1e-300));
   const double reach = law_.reach(bounds);
@@ -290,6 +292,7 @@ void ContactEngine::search(Model& model, const Step& step) {
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
   home_.clear();
+  undeformed_.clear();
   std::vector<ContactNodeRecord> slaves;
   slaves.reserve(surface.size());
   for (const std::int32_t i : surface)

@@ -103,6 +103,7 @@ class ContactEngine {
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
   std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank
+  std::vector<Vec3> undeformed_;  // positions of the tracked nodes [m]
   std::vector<Stray> strays_;
   Counts counts_;
   std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1

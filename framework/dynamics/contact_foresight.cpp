@@ -9,6 +9,7 @@
 #endif
 
 #include "dynamics/contact_engine.hpp"
+#include "dynamics/setup.hpp"
 
 namespace kerf {
 
@@ -118,6 +119,7 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   // A run that has become unstable must come as far as to the check that says so.
   const Vec3 centre{t.box.centre(0), t.box.centre(1), t.box.centre(2)};
   home_.push_back(norm(centre) < beyond ? centre : Vec3{});
+  undeformed_.push_back(reference_position(model, model.nodes.id[node]));
   track_of_[node] = static_cast<std::int32_t>(tracked_.size());
   tracked_.push_back(t);
   return true;

@@ -26,7 +26,7 @@ struct ContactFacetRecord {
   std::int32_t locals[8] = {};  // their numbers on the rank that made the record
   std::int32_t owners[8] = {};
   Box box, own_box;  // inflated by the facet's reach
-  double bulk_modulus = 0.0, volume = 0.0;
+  double bulk_modulus = 0.0, volume = 0.0, edge = 0.0;  // of the undeformed: volume of the element, longest edge
   std::int32_t part = 0;
   std::uint32_t role = 0;  // bits of the slaves that it meets
 };

@@ -101,8 +101,9 @@ void OutputInput::describe(Schema<OutputInput>& s) {
   s.real(&OutputInput::history_interval, "history_interval", "s", positive,
          "time between two lines of history.csv; by default a two-hundredth of the run")
       .optional();
-  s.real(&OutputInput::restart_interval, "restart_interval", "s", positive,
-         "time between two restart files; by default only when a signal stops the run")
+  s.real(
+       &OutputInput::restart_interval, "restart_interval", "s", positive,
+       "time between two restart files; the end of maximum_cycles writes one then, too; by default only a signal does")
       .optional();
   s.integer(&OutputInput::progress_interval, "progress_interval", non_negative,
             "cycles between two progress lines; 0 for about twenty lines in a run")

@@ -44,7 +44,7 @@ struct ErodingSurface final : Contact {
     s.real(&ErodingSurface::friction, "friction", "-", non_negative, "Coulomb friction coefficient").by_default("0");
     s.real(&ErodingSurface::depth, "depth", "-", between(0.1, 1.0),
            "greatest penetration that is pushed back, over the least of the thickness V/A of the facet's element, the "
-           "facet's longest edge and the edge of a cube as large as the undeformed element")
+           "facet's longest edge and the longest edge of the undeformed facet")
         .by_default("0.6");
     s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
         .by_default("10");
@@ -60,8 +60,8 @@ struct ErodingSurface final : Contact {
   }
 
   // Whatever lies closer to a node than the facet that would push it must be a candidate too, for the closest facet
-  // decides: the reach covers the depth of facets of elements as large as this one. It does not change, so that no
-  // search has to foresee how facets may stretch.
+  // decides: the reach covers the depth of facets that were as large as this one. It does not change, so that no search
+  // has to foresee how facets may stretch.
   double reach(const FacetBounds& facet) const override { return FacetSlabs::reach_of(depth, facet.edge); }
 
   void add_forces(const ContactView& view, ContactForces& forces) const override {

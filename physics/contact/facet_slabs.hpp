@@ -17,8 +17,8 @@ namespace kerf::eroding {
 using LaneVectors = SideBySide<Lanes>;
 
 /// Of every facet of a view, the flat cylinder that holds its four triangles, and how far it acts: as far as `depth`
-/// times the edge of a cube as large as its undeformed element, and as deep as `depth` times the least of that, its
-/// longest edge and the thickness V/A.
+/// times the longest edge of the undeformed facet, and as deep as `depth` times the least of that, its longest edge now
+/// and the thickness V/A.
 class FacetSlabs {
  public:
   FacetSlabs(const ContactView& view, double depth) {
@@ -26,7 +26,7 @@ class FacetSlabs {
     for (auto* rows : {&centres_, &normals_, &sizes_}) rows->resize(n);
     for (std::size_t f = 0; f < n; f += register_lanes) measure(view, depth, f, std::min(f + register_lanes, n));
   }
-  /// How far a facet acts, given the edge of a cube as large as its undeformed element [m].
+  /// How far a facet acts, given its longest edge when it was undeformed [m].
   static double reach_of(double depth, double edge) { return depth * edge; }
 
   Vec3 centre(int facet) const { return vector(centres_[facet]); }
@@ -108,7 +108,7 @@ class FacetSlabs {
     }
     LaneVectors x[4];
     for (int k = 0; k < 4; ++k) gather_vector(view.position, node[k], x[k].x, x[k].y, x[k].z);
-    const Lanes zero{}, one = lanes(1.0), quarter = lanes(0.25), cube = load_lanes(edge);
+    const Lanes zero{}, one = lanes(1.0), quarter = lanes(0.25), first_size = load_lanes(edge);
     const LaneVectors centre = (x[0] + x[1] + x[2] + x[3]) * quarter, twice = cross(x[2] - x[0], x[3] - x[1]);
     const Lanes length = sqrt_of(dot(twice, twice)), area = 0.5 * length;
     const LaneVectors normal = twice * (length > 0.0 ? one / length : zero);
@@ -122,7 +122,7 @@ class FacetSlabs {
     const Lanes size = greater_root(edges[0], edges[1], edges[2], edges[3]);
     const Lanes radius = greater_root(spokes[0], spokes[1], spokes[2], spokes[3]);
     const Lanes thickness = area > 0.0 ? load_lanes(volume) / area : zero;
-    const Lanes deepest = depth * min_of(min_of(thickness, size), cube);
+    const Lanes deepest = depth * min_of(min_of(thickness, size), first_size);
     store(centres_, begin, end, centre.x, centre.y, centre.z, radius);
     store(normals_, begin, end, normal.x, normal.y, normal.z, warp);
     store(sizes_, begin, end, size, load_lanes(reach), deepest, zero);

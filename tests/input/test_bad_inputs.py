@@ -66,8 +66,9 @@ FILES = {
                                   "rebuild it with this Kerf's headers and libraries"),
     "nothing to resume from": (["case.yaml", "--resume", "--output", "new"],
                                "new/restart/restart.h5: error: there is no restart file to resume from; a run writes "
-                               "one when a signal stops it, and others if output.restart_interval is given; run without "
-                               "--resume, or name the folder of the earlier run with --output"),
+                               "one when a signal stops it and, if output.restart_interval is given, on the way and after "
+                               "time.maximum_cycles; run without --resume, or name the folder of the earlier run with "
+                               "--output"),
     "output into a file": (["case.yaml", "--output", "case.yaml"],
                            "case.yaml: error: the folder for the results cannot be made: Not a directory; name another "
                            "with --output"),

@@ -85,6 +85,13 @@ void BruteContact::list_nodes() {
   }
 }
 
+Vec3 BruteContact::undeformed(std::int64_t node) const {
+  const auto part = std::find_if(parts_.begin(), parts_.end(), [&](const PartModel& p) {
+    return node >= p.first_node && node < p.first_node + p.n_nodes;
+  });
+  return part->placement->apply(part->input->mesh->node(node - part->first_node));
+}
+
 void BruteContact::list_facets() {
   facets_of_node_.resize(node_id_.size());
   for (const GlobalFacet& f : global_.exterior()) {  // in the order of their ids
@@ -94,7 +101,11 @@ void BruteContact::list_facets() {
     facet_part_.push_back(e.part);
     bulk_modulus_.push_back(parts_[e.part].bulk_modulus);
     volume_.push_back(e.record[0] / parts_[e.part].material->density);  // the record starts with the mass
-    edge_.push_back(std::cbrt(volume_.back()));
+    edge_.push_back(0.0);
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 a = undeformed(e.nodes[hex_face[f.face][k]]), b = undeformed(e.nodes[hex_face[f.face][(k + 1) % 4]]);
+      edge_.back() = std::max(edge_.back(), norm(b - a));
+    }
     for (int k = 0; k < 4; ++k) {
       facet_nodes_.push_back(number_.at(e.nodes[hex_face[f.face][k]]));
       facet_opposite_.push_back(number_.at(e.nodes[hex_face[opposite_face[f.face]][k]]));

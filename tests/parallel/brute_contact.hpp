@@ -19,7 +19,7 @@ struct Intruder {
   bool own_part = false, free = false;
   bool pushed = false;  // whether the law gives it a force
   double depth = 0.0;  // to the closest exterior facet of the element's part, over the least of the facet's thickness,
-                       // longest edge and cube's edge: what eroding_surface measures its window by
+                       // longest edge and that of the undeformed one: what eroding_surface measures its window by
 };
 
 /// The contact surface of a whole model as a law sees it, with all facets as candidates of every slave, but for
@@ -48,6 +48,7 @@ class BruteContact {
   ContactView view(double dt) const;
   bool row_is_pushed(std::size_t row, const ForceScale& scale, double dt) const;
   double depth_below_surface(Vec3 p, int part) const;
+  Vec3 undeformed(std::int64_t node) const;
   void list_nodes();
   void list_facets();
   void list_pairs();

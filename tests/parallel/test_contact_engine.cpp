@@ -181,6 +181,37 @@ TEST(ContactEngine, misses_no_pair_of_facets_that_are_stretched) {
     expect_brute_forces(contact, 14, true, 5, Mood::stretched);
 }
 
+// What a facet may push must not be nearer to a coarse element's side than to the flat skin that lies between.
+TEST(ContactEngine, finds_nobody_inside_a_flat_skin_over_coarse_elements) {
+  for (const char* skin : {"10.2e-3", "10.5e-3", "11e-3"})
+    for (const char* gap : {"1e-3", "1.5e-3", "1.86e-3", "2.5e-3"}) {
+      const auto input = scene(std::string(R"(
+time: {end: 1e-6}
+materials:
+  steel: {density: 7805, strength: {type: elastic, shear_modulus: 80e9}, eos: {type: linear, bulk_modulus: 163e9}}
+parts:
+  striker:
+    material: steel
+    mesh: {type: block, size: [3e-3, 3e-3, 8e-3], origin: [6.9e-3, -1.2e-3, 0], cells: [6, 6, 16]}
+    placement: [{translate: [0, 0, )") +
+                               gap + R"(]}]
+  plate:
+    material: steel
+    mesh:
+      type: block
+      size: [20e-3, 20e-3, )" + skin +
+                               R"(]
+      origin: [-10e-3, -10e-3, -)" +
+                               skin + R"(]
+      cells: [4, 4, 2]
+      grading_z: [{to: 10e-3, cells: 2}, {to: )" +
+                               skin + R"(, cells: 1}]
+contacts: [{type: eroding_surface}]
+)");
+      EXPECT_NO_THROW(Simulation(MPI_COMM_WORLD, *input, scene_registry())) << "skin up to " << skin << ", gap " << gap;
+    }
+}
+
 TEST(ContactEngine, misses_no_pair_without_self_contact) {
   expect_brute_forces("{type: eroding_surface, self_contact: false, parts: [lower, upper]}", 5, true, 11);
 }

@@ -1,8 +1,9 @@
 // No node passes through a live facet: random blocks that strike each other, looked at by brute force as they do.
 //
-// Depths are in units of the least of a facet's thickness, longest edge and cube's edge. The contact laws are penalty
-// laws: a node goes in as deep as it takes to stop it, which grows with the speed, and eroding_surface lets go of what
-// is deeper than 0.6. The limits below are about one and a half times the deepest of 60 seeds of each kind.
+// Depths are in units of the least of a facet's thickness, longest edge and that of the undeformed one. The contact
+// laws are penalty laws: a node goes in as deep as it takes to stop it, which grows with the speed, and eroding_surface
+// lets go of what is deeper than 0.6. The limits below are about one and a half times the deepest of 60 seeds of each
+// kind.
 #include <gtest/gtest.h>
 
 #include <ostream>

@@ -26,7 +26,7 @@ struct Roof {
   std::array<std::int32_t, 8> facet_nodes = {0, 2, 3, 1, 2, 4, 5, 3};
   std::array<std::int64_t, 2> facet_id = {1, 9};
   std::array<std::int32_t, 2> facet_part = {0, 0};
-  std::array<double, 2> bulk_modulus = {1e3, 1e3}, volume = {1, 1}, edge;
+  std::array<double, 2> bulk_modulus = {1e3, 1e3}, volume = {1, 1}, edge = {1, 1};
   std::array<std::int32_t, 1> slave = {6};
   ContactRow candidates{0, 2}, around;
   std::array<std::int32_t, 2> candidate = {0, 1};
@@ -57,7 +57,6 @@ struct Roof {
     view.facet_part = facet_part.data();
     view.facet_bulk_modulus = bulk_modulus.data();
     view.facet_volume = volume.data();
-    for (std::size_t f = 0; f < volume.size(); ++f) edge[f] = std::cbrt(volume[f]);
     view.facet_edge = edge.data();
     view.n_slaves = 1;
     view.slave = slave.data();
@@ -112,6 +111,7 @@ TEST(ErodingSurface, DoesNotCareForFacetsBeyondTheirReach) {
   for (int n = 0; n < 6; ++n)
     for (int d = 0; d < 3; ++d) roof.position[4 * n + d] = Roof::ridge[d] + corner[n][d];
   roof.volume = {16, 1};
+  roof.edge = {4, 1};
   const Vec3 node{0.8, 0.0, -0.3};
   const auto with_both = roof.force_at(*law, node);
   roof.candidates.end = 1;  // of two candidates
@@ -121,14 +121,15 @@ TEST(ErodingSurface, DoesNotCareForFacetsBeyondTheirReach) {
   EXPECT_GT(norm(*with_one), 0.0);
 }
 
-// The least of V/A, longest edge and the edge of a cube of that volume, whatever the facet has become.
-TEST(ErodingSurface, LetsGoOfWhatIsDeeperThanTheElementIsLarge) {
+// The least of V/A, longest edge now and longest edge once, whatever the facet has become.
+TEST(ErodingSurface, LetsGoOfWhatIsDeeperThanTheFacetWasLarge) {
   const auto law = make_law<Contact>("contact", "eroding_surface", "{damping: 0, depth: 0.6}");
   struct Case {
-    double width, volume;  // of a facet 4 long
+    double width, volume, edge;  // of a facet 4 long: width, volume of its element, longest edge once
     double least;
   };
-  for (const Case c : {Case{1.0, 1.0, 0.25}, Case{0.125, 1.0, 1.0}, Case{0.5, 27.0, 3.0}, Case{4.0, 512.0, 4.0}}) {
+  for (const Case c :
+       {Case{1.0, 1.0, 2.0, 0.25}, Case{0.125, 1.0, 1.5, 1.5}, Case{0.5, 27.0, 3.0, 3.0}, Case{4.0, 512.0, 9.0, 4.0}}) {
     Roof roof;
     roof.candidates.end = 1;
     const double w = 0.5 * c.width;
@@ -136,6 +137,7 @@ TEST(ErodingSurface, LetsGoOfWhatIsDeeperThanTheElementIsLarge) {
     for (int n = 0; n < 4; ++n)
       for (int d = 0; d < 3; ++d) roof.position[4 * n + d] = Roof::ridge[d] + corner[n][d];
     roof.volume[0] = c.volume;
+    roof.edge[0] = c.edge;
     for (const bool shallow : {true, false}) {
       const double depth = 0.6 * c.least * (shallow ? 0.99 : 1.01);
       const auto force = roof.force_at(*law, {-1.7, 0.1 * w, -depth});

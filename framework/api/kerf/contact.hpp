@@ -36,7 +36,7 @@ struct ContactView {
   const std::int32_t* facet_part = nullptr;
   const double* facet_bulk_modulus = nullptr;  // of the undeformed material [Pa]
   const double* facet_volume = nullptr;  // of the undeformed element [m3]
-  const double* facet_edge = nullptr;  // of a cube of that volume [m]
+  const double* facet_edge = nullptr;  // longest one of the undeformed facet [m]
   int n_slaves = 0;
   const std::int32_t* slave = nullptr;  // nodes
   const ContactRow *candidate_rows = nullptr, *around_rows = nullptr;  // per slave
@@ -99,7 +99,7 @@ struct ContactRequest {
 
 /// What is known about a facet before the next search.
 struct FacetBounds {
-  double edge = 0.0;  // of a cube as large as the undeformed element [m]
+  double edge = 0.0;  // longest one of the undeformed facet [m]
   double longest_edge = 0.0;  // that the facet's edges will not exceed [m]
   double thickness = 0.0;  // that the lesser of V/A and the longest edge will not exceed; V/A has no bound [m]
 };

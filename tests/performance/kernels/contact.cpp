@@ -134,10 +134,9 @@ ContactFacetRecord TwoSlabs::record(const ExteriorFacet& f) const {
     r.box.include(boxes_[static_cast<std::size_t>(r.locals[k])].box);
     r.own_box.include(boxes_[static_cast<std::size_t>(r.locals[k])].own_box);
   }
-  double longest = 0.0;
-  for (int k = 0; k < 4; ++k) longest = std::max(longest, norm(x[(k + 1) % 4] - x[k]));
+  for (int k = 0; k < 4; ++k) r.edge = std::max(r.edge, norm(x[(k + 1) % 4] - x[k]));
   const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1])), slack = 0.002 * model_.dummy_edge;
-  const double reach = law().reach({std::cbrt(r.volume), longest + 2.0 * slack, r.volume / area});
+  const double reach = law().reach({r.edge, r.edge + 2.0 * slack, r.volume / area});
   r.box.inflate(reach);
   r.own_box.inflate(reach);
   return r;
