@@ -12,7 +12,7 @@ bool Clock::running() const {
 
 bool Clock::at_end() const {
   // A remainder far below a step is round-off of the sum of steps.
-  return input_.end - time_ <= 1e-6 * std::max(last_dt_, 1e-12 * input_.end);
+  return !(input_.end - time_ > 1e-6 * std::max(last_dt_, 1e-12 * input_.end));
 }
 
 Step Clock::plan(double stable) const {
