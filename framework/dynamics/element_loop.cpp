@@ -11,9 +11,10 @@ namespace kerf {
 
 namespace {
 
-ElementWork view_of(Model& model, PartModel& part) {
+template <class Real>
+ElementArrays<Real> view_of(Model& model, PartModel& part) {
   PartStore& store = *part.store;
-  ElementWork w;
+  ElementArrays<Real> w;
   w.position = model.nodes.position.data();
   w.velocity = model.nodes.velocity.data();
   w.force = model.nodes.force.data();
@@ -23,20 +24,20 @@ ElementWork view_of(Model& model, PartModel& part) {
   w.reference_density = part.material->density;
   w.n_blocks = store.n_blocks();
   w.nodes = store.nodes();
-  w.mass = store.field(PartStore::mass).data.data();
-  w.volume = store.field(PartStore::volume).data.data();
-  w.deviator = store.field(PartStore::deviator).data.data();
-  w.pressure = store.field(PartStore::pressure).data.data();
-  w.internal_energy = store.field(PartStore::internal_energy).data.data();
-  w.viscous_energy = store.field(PartStore::viscous_energy).data.data();
-  w.element_state = store.field(PartStore::element_state).data.data();
-  w.material_state = store.field(PartStore::material_state).data.data();
-  w.eos_state = store.field(PartStore::eos_state).data.data();
+  w.mass = store.field(PartStore::mass).entries<double>();
+  w.volume = store.field(PartStore::volume).entries<Real>();
+  w.deviator = store.field(PartStore::deviator).entries<Real>();
+  w.pressure = store.field(PartStore::pressure).entries<Real>();
+  w.internal_energy = store.field(PartStore::internal_energy).entries<double>();
+  w.viscous_energy = store.field(PartStore::viscous_energy).entries<double>();
+  w.element_state = store.field(PartStore::element_state).entries<Real>();
+  w.material_state = store.field(PartStore::material_state).entries<double>();
+  w.eos_state = store.field(PartStore::eos_state).entries<double>();
   w.n_element_state = store.field(PartStore::element_state).n_components;
   w.n_material_state = store.field(PartStore::material_state).n_components;
   w.n_eos_state = store.field(PartStore::eos_state).n_components;
   w.energy_per_quantum = model.quanta.per_energy;
-  std::fill(w.least_step, w.least_step + lane_width, std::numeric_limits<double>::max());
+  std::fill(w.least_step, w.least_step + lane_width, std::numeric_limits<Real>::max());
   std::fill(w.least_block, w.least_block + lane_width, 0);
   return w;
 }
@@ -76,14 +77,16 @@ std::int64_t most_stressed(const PartStore& store) {
   return lowest_id(store, [&](int slot) { return stress_size(store, slot) == most; });
 }
 
-void collect(const Model& model, const PartModel& part, const ElementWork& w, ElementReport& report) {
+template <class Real>
+void collect(const Model& model, const PartModel& part, const ElementArrays<Real>& w, ElementReport& report) {
   const PartStore& store = *part.store;
   for (int l = 0; l < lane_width; ++l) {
     const auto slot = static_cast<int>(w.least_block[l]) * lane_width + l;
     if (slot >= store.n_slots() || !store.live(slot)) continue;
     const std::int64_t id = store.id(slot);
-    if (w.least_step[l] < report.least_step || (w.least_step[l] == report.least_step && id < report.least_id)) {
-      report.least_step = w.least_step[l];
+    const double step = w.least_step[l];
+    if (step < report.least_step || (step == report.least_step && id < report.least_id)) {
+      report.least_step = step;
       report.least_id = id;
     }
   }
@@ -104,6 +107,21 @@ void collect(const Model& model, const PartModel& part, const ElementWork& w, El
   }
 }
 
+template <class View>
+inline constexpr bool is_single = std::is_same_v<View, SingleElementWork&>;
+
+/// Calls `work(view)` with the view that the part's precision asks for.
+template <class Work>
+void with_view(Model& model, PartModel& part, const Work& work) {
+  if (part.store->precision() == Precision::single_precision) {
+    auto view = view_of<float>(model, part);
+    work(view);
+  } else {
+    auto view = view_of<double>(model, part);
+    work(view);
+  }
+}
+
 }  // namespace
 
 std::string element_name(const Model& model, int part, std::int64_t id) {
@@ -114,9 +132,13 @@ ElementReport initialise_elements(Model& model) {
   ElementReport report;
   report.least_step = std::numeric_limits<double>::max();
   for (PartModel& part : model.parts) {
-    ElementWork w = view_of(model, part);
-    part.input->element->initialise(w);
-    collect(model, part, w, report);
+    with_view(model, part, [&](auto& w) {
+      if constexpr (is_single<decltype(w)>)
+        part.input->element->initialise_single(w);
+      else
+        part.input->element->initialise(w);
+      collect(model, part, w, report);
+    });
   }
   return report;
 }
@@ -125,13 +147,17 @@ ElementReport add_internal_forces(Model& model, const Step& step, Erosion& erosi
   ElementReport report;
   report.least_step = std::numeric_limits<double>::max();
   for (PartModel& part : model.parts) {
-    ElementWork w = view_of(model, part);
-    w.dt = step.dt;
-    w.judge = erosion.judge(model, part.store->index(), step.cycle);
-    w.failed = erosion.flags(part.store->index());
-    part.input->element->add_internal_forces(w);
-    ledger.accounts.hourglass += w.hourglass_energy;
-    collect(model, part, w, report);
+    with_view(model, part, [&](auto& w) {
+      w.dt = step.dt;
+      w.judge = erosion.judge(model, part.store->index(), step.cycle);
+      w.failed = erosion.flags(part.store->index());
+      if constexpr (is_single<decltype(w)>)
+        part.input->element->add_internal_forces_single(w);
+      else
+        part.input->element->add_internal_forces(w);
+      ledger.accounts.hourglass += w.hourglass_energy;
+      collect(model, part, w, report);
+    });
   }
   report.failed = erosion.any_failed();
   return report;

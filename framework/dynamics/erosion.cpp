@@ -43,6 +43,7 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
   alignas(64) double value[8][lane_width], failed[lane_width];
   unsigned masks[8] = {};
   bool looked[8] = {};
+  alignas(64) double narrow[8][lane_width];
   const double* reads[8];
   Field& states = store_->field(PartStore::erosion_state);
   for (std::size_t k = 0; k < criteria_.size(); ++k) {
@@ -51,11 +52,12 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
     if (!looked[k] && !c.keeps_state) continue;
     for (std::size_t r = 0; r < c.reads.size(); ++r) {
       const Field& f = store_->field(c.reads[r].first);
-      reads[r] = f.data.data() + (static_cast<std::size_t>(block) * f.n_components + c.reads[r].second) * lane_width;
+      const std::size_t first = f.index(block * lane_width, c.reads[r].second);
+      reads[r] = f.is_single ? narrow[r] : f.data.data() + first;
+      for (int l = 0; f.is_single && l < lane_width; ++l) narrow[r][l] = f.single_data[first + l];
     }
     rows.reads = reads;
-    rows.state =
-        states.data.data() + (static_cast<std::size_t>(block) * states.n_components + c.first_state) * lane_width;
+    rows.state = states.data.data() + states.index(block * lane_width, c.first_state);
     rows.value = value[k];
     rows.failed = failed;
     c.law->judge(rows);
@@ -87,11 +89,11 @@ unsigned PartJudge::combine(PartStore& store, const unsigned* masks, const bool*
   }
   Field& states = store.field(PartStore::erosion_state);
   for (int l = 0; l < lane_width; ++l) {
-    double& stored = states.at(block * lane_width + l, 0);
-    auto verdicts = static_cast<unsigned>(stored);
+    const int slot = block * lane_width + l;
+    auto verdicts = static_cast<unsigned>(states.at(slot, 0));
     for (std::size_t k = 0; k < criteria_.size(); ++k)
       if (looked[k]) verdicts = (verdicts & ~(1u << k)) | (masks[k] >> l & 1u) << k;
-    stored = static_cast<double>(verdicts);
+    states.set(slot, 0, verdicts);
     if (std::popcount(verdicts) >= needed_) dead |= 1u << l;
   }
   return dead;

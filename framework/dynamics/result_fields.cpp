@@ -24,17 +24,16 @@ double* copy_elements(const PartStore& store, double* out, const Value& value) {
   return out;
 }
 
-/// A component of a field, block by block.
+/// A component of a field.
 class Rows {
  public:
   Rows(const PartStore& store, PartStore::FieldIndex field, int component = 0)
-      : first_(store.field(field).data.data() + component * lane_width),
-        stride_(static_cast<std::ptrdiff_t>(store.field(field).n_components) * lane_width) {}
-  double operator()(int block, int lane) const { return first_[block * stride_ + lane]; }
+      : field_(store.field(field)), component_(component) {}
+  double operator()(int block, int lane) const { return field_.at(block * lane_width + lane, component_); }
 
  private:
-  const double* first_;
-  std::ptrdiff_t stride_;
+  const Field& field_;
+  int component_;
 };
 
 double* copy_stress(const PartStore& store, double* out) {

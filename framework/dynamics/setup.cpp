@@ -192,6 +192,7 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
   model.set_comm(comm);
   model.input = &input;
   for (const auto& set : input.sets) model.set_names.push_back(set->name);
+  const Precision precision = input.precision == "single" ? Precision::single_precision : Precision::double_precision;
   for (const auto& p : input.parts) {
     PartModel part;
     part.input = p.get();
@@ -211,7 +212,7 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
         p->element->cost() * (0.8 + 0.2 * part.material->strength->cost() + (part.material->erosion ? 0.1 : 0.0));
     part.store =
         std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, *part.material->strength,
-                                    *part.material->eos, erosion_variables(*part.material));
+                                    *part.material->eos, erosion_variables(*part.material), precision);
     model.parts.push_back(std::move(part));
   }
 }

@@ -135,6 +135,9 @@ void ChecksInput::describe(Schema<ChecksInput>& s) {
 
 void ModelInput::describe(Schema<ModelInput>& s) {
   s.text(&ModelInput::title, "title", "one line about the run").by_default("");
+  s.choice(&ModelInput::precision, "precision", {"double", "single"},
+           "numbers that elements compute with and keep their stress in; single is faster and less exact")
+      .by_default("double");
   s.text_map(&ModelInput::parameters, "parameters", "values by name, used as $name in place of any single value")
       .optional();
   s.block(&ModelInput::time, "time", "how long the run is and how its time step is chosen");

@@ -93,7 +93,7 @@ struct ChecksInput {
 };
 
 struct ModelInput {
-  std::string title;
+  std::string title, precision;
   std::map<std::string, std::string> parameters;  // as written; they are in their places already
   TimeInput time;
   std::vector<std::unique_ptr<MaterialInput>> materials;

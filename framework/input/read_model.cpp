@@ -27,11 +27,11 @@ void digest(const Node& node, std::uint64_t& hash) {
   }
 }
 
-/// Of materials, parts, sets, boundaries, contacts, checks and the choice of the time step: what is computed. How long,
+/// Of precision, materials, parts, sets, boundaries, contacts, checks and the choice of the time step: what is computed. How long,
 /// how it is distributed and what is written may change at a restart.
 std::string physics_digest(const Node& root) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const char* key : {"materials", "parts", "sets", "boundaries", "contacts", "checks"})
+  for (const char* key : {"precision", "materials", "parts", "sets", "boundaries", "contacts", "checks"})
     if (const Entry* entry = root.find(key)) digest(entry->value, hash);
   if (const Entry* time = root.find("time"))
     for (const Entry& entry : time->value.entries)

@@ -18,25 +18,28 @@ StateVariable core(const char* name, const char* unit, double initial = 0.0) {
 }  // namespace
 
 PartStore::PartStore(int index, const Element& element, const Material& material, const Eos& eos,
-                     const std::vector<StateVariable>& erosion_variables)
-    : index_(index), fields_(n_fields) {
-  fields_[mass] = {"mass", 1, {core("mass", "kg")}, {}};
-  fields_[volume] = {"volume", 1, {core("volume", "m3")}, {}};
-  fields_[deviator] = {"deviator",
-                       6,
-                       {core("deviator_xx", "Pa"), core("deviator_yy", "Pa"), core("deviator_zz", "Pa"),
-                        core("deviator_xy", "Pa"), core("deviator_yz", "Pa"), core("deviator_zx", "Pa")},
-                       {}};
-  fields_[pressure] = {"pressure", 1, {core("pressure", "Pa")}, {}};
-  fields_[internal_energy] = {"internal_energy", 1, {core("internal_energy", "J")}, {}};
-  fields_[viscous_energy] = {"viscous_energy", 1, {core("viscous_energy", "J")}, {}};
-  const auto law = [&](FieldIndex f, const char* name, std::vector<StateVariable> variables) {
-    fields_[f] = {name, static_cast<int>(variables.size()), std::move(variables), {}};
+                     const std::vector<StateVariable>& erosion_variables, Precision precision)
+    : index_(index), precision_(precision), fields_(n_fields) {
+  const auto declare = [&](FieldIndex f, const char* name, std::vector<StateVariable> variables) {
+    fields_[f].name = name;
+    fields_[f].n_components = static_cast<int>(variables.size());
+    fields_[f].components = std::move(variables);
   };
-  law(element_state, "element_state", element.state_variables());
-  law(material_state, "material_state", material.state_variables());
-  law(eos_state, "eos_state", eos.state_variables());
-  law(erosion_state, "erosion_state", erosion_variables);
+  declare(mass, "mass", {core("mass", "kg")});
+  declare(volume, "volume", {core("volume", "m3")});
+  declare(deviator, "deviator",
+          {core("deviator_xx", "Pa"), core("deviator_yy", "Pa"), core("deviator_zz", "Pa"), core("deviator_xy", "Pa"),
+           core("deviator_yz", "Pa"), core("deviator_zx", "Pa")});
+  declare(pressure, "pressure", {core("pressure", "Pa")});
+  declare(internal_energy, "internal_energy", {core("internal_energy", "J")});
+  declare(viscous_energy, "viscous_energy", {core("viscous_energy", "J")});
+  declare(element_state, "element_state", element.state_variables());
+  declare(material_state, "material_state", material.state_variables());
+  declare(eos_state, "eos_state", eos.state_variables());
+  declare(erosion_state, "erosion_state", erosion_variables);
+  // Those of ElementArrays<Real> whose type is Real.
+  for (const FieldIndex f : {volume, deviator, pressure, element_state})
+    fields_[f].is_single = precision == Precision::single_precision;
   for (const Field& f : fields_) record_size_ += f.n_components;
 }
 
@@ -57,16 +60,16 @@ void PartStore::resize(int n_slots) {
   const std::size_t padded = static_cast<std::size_t>(n_blocks()) * lane_width;
   ids_.assign(padded, -1);
   nodes_.assign(padded * 8, 0);
-  for (Field& f : fields_) f.data.assign(padded * f.n_components, 0.0);
+  for (Field& f : fields_) f.clear(padded * f.n_components);
 }
 
 void PartStore::clear_slot(int slot) {
   ids_[slot] = -1;
   for (int k = 0; k < 8; ++k) nodes_[node_index(slot, k)] = first_dummy_ + k;
   for (Field& f : fields_)
-    for (int c = 0; c < f.n_components; ++c) f.at(slot, c) = f.components[c].initial;
-  fields_[mass].at(slot, 0) = dummy_mass_;
-  fields_[volume].at(slot, 0) = dummy_volume_;
+    for (int c = 0; c < f.n_components; ++c) f.set(slot, c, f.components[c].initial);
+  fields_[mass].set(slot, 0, dummy_mass_);
+  fields_[volume].set(slot, 0, dummy_volume_);
 }
 
 void PartStore::make_room(int n_elements) {
@@ -79,7 +82,7 @@ void PartStore::put(int slot, std::int64_t id, const std::array<std::int32_t, 8>
   ids_[slot] = id;
   for (int k = 0; k < 8; ++k) nodes_[node_index(slot, k)] = nodes[k];
   for (Field& f : fields_)
-    for (int c = 0; c < f.n_components; ++c) f.at(slot, c) = *record++;
+    for (int c = 0; c < f.n_components; ++c) f.set(slot, c, *record++);
 }
 
 void PartStore::set_dummies(std::int32_t first_dummy, double dummy_mass, double dummy_volume) {
@@ -109,7 +112,7 @@ std::vector<std::int32_t> PartStore::compact() {
       ids_[next] = ids_[s];
       for (int k = 0; k < 8; ++k) nodes_[node_index(next, k)] = nodes_[node_index(s, k)];
       for (Field& f : fields_)
-        for (int c = 0; c < f.n_components; ++c) f.at(next, c) = f.at(s, c);
+        for (int c = 0; c < f.n_components; ++c) f.set(next, c, f.at(s, c));
     }
     ++next;
   }
@@ -119,7 +122,7 @@ std::vector<std::int32_t> PartStore::compact() {
   const std::size_t kept = static_cast<std::size_t>(n_blocks()) * lane_width;
   ids_.resize(kept);
   nodes_.resize(kept * 8);
-  for (Field& f : fields_) f.data.resize(kept * f.n_components);
+  for (Field& f : fields_) f.resize(kept * f.n_components);
   return moved;
 }
 
@@ -132,7 +135,7 @@ std::pair<PartStore::FieldIndex, int> PartStore::find_variable(const std::string
 
 std::size_t PartStore::bytes() const {
   std::size_t total = ids_.capacity() * sizeof(std::int64_t) + nodes_.capacity() * sizeof(std::int32_t);
-  for (const Field& f : fields_) total += f.data.capacity() * sizeof(double);
+  for (const Field& f : fields_) total += f.bytes();
   return total;
 }
 

@@ -1,4 +1,5 @@
-// Owns every array of the elements of one part on one rank, blocked for the element kernels.
+// Owns every array of the elements of one part on one rank, blocked for the element kernels, in the precision that
+// these compute with.
 //
 // Slot s of a part is lane s % lane_width of block s / lane_width. A field with c components is stored as
 // [block][component][lane]. Slots without an element (id -1) refer to the dummy nodes and are computed along.
@@ -7,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "kerf/element.hpp"
@@ -15,18 +17,48 @@
 
 namespace kerf {
 
-/// One array of a part: a quantity with a name per component.
+/// What the elements of a model compute with. In single precision, stress, geometry and what elements keep for
+/// themselves are floats; masses, energies and what laws keep are doubles always.
+enum class Precision { double_precision, single_precision };
+
+/// One array of a part: a quantity with a name per component. One of the two vectors is in use.
 struct Field {
   std::string name;
   int n_components = 1;
   std::vector<StateVariable> components;  // names, units and initial values
+  bool is_single = false;
   AlignedVector<double> data;
+  AlignedVector<float> single_data;
 
-  double& at(int slot, int component) {
-    return data[(static_cast<std::size_t>(slot / lane_width) * n_components + component) * lane_width +
-                slot % lane_width];
+  std::size_t index(int slot, int component) const {
+    return (static_cast<std::size_t>(slot / lane_width) * n_components + component) * lane_width + slot % lane_width;
   }
-  double at(int slot, int component) const { return const_cast<Field*>(this)->at(slot, component); }
+  double at(int slot, int component) const {
+    const std::size_t i = index(slot, component);
+    return is_single ? static_cast<double>(single_data[i]) : data[i];
+  }
+  /// A float takes the nearest value.
+  void set(int slot, int component, double value) {
+    const std::size_t i = index(slot, component);
+    if (is_single)
+      single_data[i] = static_cast<float>(value);
+    else
+      data[i] = value;
+  }
+  /// All entries. Pre: Real is the type in use.
+  template <class Real>
+  Real* entries() {
+    if constexpr (std::is_same_v<Real, float>)
+      return single_data.data();
+    else
+      return data.data();
+  }
+  void resize(std::size_t n) { is_single ? single_data.resize(n) : data.resize(n); }
+  void clear(std::size_t n) {
+    resize(0);
+    resize(n);
+  }
+  std::size_t bytes() const { return data.capacity() * sizeof(double) + single_data.capacity() * sizeof(float); }
 };
 
 class PartStore {
@@ -47,9 +79,10 @@ class PartStore {
   };
 
   PartStore(int index, const Element& element, const Material& material, const Eos& eos,
-            const std::vector<StateVariable>& erosion_variables);
+            const std::vector<StateVariable>& erosion_variables, Precision precision = Precision::double_precision);
 
   int index() const { return index_; }
+  Precision precision() const { return precision_; }
   int n_slots() const { return n_slots_; }
   int n_blocks() const { return (n_slots_ + lane_width - 1) / lane_width; }
   int n_live() const { return n_live_; }
@@ -91,6 +124,7 @@ class PartStore {
   void clear_slot(int slot);
 
   int index_ = 0, n_slots_ = 0, n_live_ = 0, record_size_ = 0;
+  Precision precision_ = Precision::double_precision;
   std::int64_t arrangement_ = 0;
   std::int32_t first_dummy_ = 0;
   double dummy_mass_ = 1.0, dummy_volume_ = 1.0;

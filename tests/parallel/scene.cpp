@@ -80,7 +80,7 @@ void light_fuses(Model& model, const std::function<double(std::int64_t)>& cycles
     const auto [field, component] = store.find_variable("fuse_cycles");
     KERF_ASSERT(field != PartStore::n_fields, "the material of every part needs the criterion fuse");
     for (int s = 0; s < store.n_slots(); ++s)
-      if (store.live(s)) store.field(field).at(s, component) = cycles(store.id(s));
+      if (store.live(s)) store.field(field).set(s, component, cycles(store.id(s)));
   }
 }
 

@@ -65,7 +65,7 @@ void scramble(Model& model, std::uint64_t seed) {
       Field& field = store.field(static_cast<PartStore::FieldIndex>(f));
       for (int s = 0; s < store.n_slots(); ++s)
         for (int c = 0; c < field.n_components; ++c)
-          if (store.live(s)) field.at(s, c) = number(static_cast<std::uint64_t>(store.id(s)) * 4096 + f * 64 + c);
+          if (store.live(s)) field.set(s, c, number(static_cast<std::uint64_t>(store.id(s)) * 4096 + f * 64 + c));
     }
   }
 }

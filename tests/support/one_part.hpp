@@ -137,7 +137,7 @@ class OnePart {
     return store_.field(field).at(e, component);
   }
   void set(PartStore::FieldIndex field, int e, int component, double value) {
-    store_.field(field).at(e, component) = value;
+    store_.field(field).set(e, component, value);
   }
   SymTensor deviator(int e) const {
     const auto s = [&](int c) { return get(PartStore::deviator, e, c); };

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
+#include <type_traits>
 
 #include "kerf/eos.hpp"
 #include "kerf/erosion.hpp"
@@ -28,7 +30,11 @@ struct ForceScale {
 /// One part on one rank as an element sees it. Arrays of nodes have four entries per node, the fourth unused;
 /// arrays of elements are blocked: [block][component][lane]. All arrays begin on boundaries of 64 bytes. Lanes that
 /// hold no element point to dummy nodes and are computed like all others.
-struct ElementWork {
+///
+/// `Real` is the type of what the element keeps of stress, geometry and itself: double, or float in a model with
+/// `precision: single`. Nodes, masses, energies and what laws keep are doubles in both.
+template <class Real>
+struct ElementArrays {
   // nodes
   const double* position = nullptr;  // [m]
   const double* velocity = nullptr;  // at mid-step [m/s]
@@ -45,22 +51,26 @@ struct ElementWork {
   int n_blocks = 0;
   const std::int32_t* nodes = nullptr;  // [block][8][lane]
   const double* mass = nullptr;  // [kg]
-  double* volume = nullptr;  // [m3]
-  double* deviator = nullptr;  // [block][6][lane] [Pa]
-  double* pressure = nullptr;  // with no bulk viscosity [Pa]
+  Real* volume = nullptr;  // [m3]
+  Real* deviator = nullptr;  // [block][6][lane] [Pa]
+  Real* pressure = nullptr;  // with no bulk viscosity [Pa]
   double* internal_energy = nullptr;  // of the element, bulk viscosity's work included [J]
   double* viscous_energy = nullptr;  // the bulk viscosity's share of it [J]
-  double *element_state = nullptr, *material_state = nullptr, *eos_state = nullptr;
+  Real* element_state = nullptr;
+  double *material_state = nullptr, *eos_state = nullptr;
   int n_element_state = 0, n_material_state = 0, n_eos_state = 0;
   // results
   double energy_per_quantum = 1.0;  // [1/J]
   std::int64_t hourglass_energy = 0;  // in energy quanta
-  alignas(64) double least_step[lane_width];  // smallest stable step seen per lane, without safety factor [s]
-  alignas(64) std::int64_t least_block[lane_width];
+  alignas(64) Real least_step[lane_width];  // smallest stable step seen per lane, without safety factor [s]
+  alignas(64) std::conditional_t<std::is_same_v<Real, float>, std::int32_t, std::int64_t> least_block[lane_width];
   std::uint8_t* failed = nullptr;  // [block] bit mask of lanes to erode
   int bad_block = -1;  // first block with a force that is not finite or too large
   int inverted_block = -1;  // first block with an inverted element that no criterion erodes
 };
+
+using ElementWork = ElementArrays<double>;
+using SingleElementWork = ElementArrays<float>;
 
 class Element : public Law {
  public:
@@ -68,6 +78,11 @@ class Element : public Law {
   virtual void add_internal_forces(ElementWork& work) const = 0;
   /// Sets volume, pressure and the stable step, and adds the forces of an initial pressure. For the first cycle.
   virtual void initialise(ElementWork& work) const = 0;
+
+  /// Whether the element has the two functions below. Where it has not, `precision: single` is an error of the input.
+  virtual bool computes_in_single() const { return false; }
+  virtual void add_internal_forces_single(SingleElementWork&) const { throw std::logic_error("no single precision"); }
+  virtual void initialise_single(SingleElementWork&) const { throw std::logic_error("no single precision"); }
 };
 
 }  // namespace kerf

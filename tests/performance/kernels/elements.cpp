@@ -30,11 +30,12 @@ const std::string johnson_cook =
 /// A cube of cells of 1 mm whose nodes sway: nearly all points yield on the way forth and on the way back.
 class SwayingBlock {
  public:
-  SwayingBlock(const std::string& hourglass, const std::string& material, int cells)
+  SwayingBlock(const std::string& hourglass, const std::string& material, int cells,
+               const std::string& precision = "double")
       : input_(test::scene(fmt::format(
-            "time: {{end: 1}}\nmaterials:\n  metal: {0}\nparts:\n  block:\n    material: metal\n    element: {{type: "
+            "precision: {3}\ntime: {{end: 1}}\nmaterials:\n  metal: {0}\nparts:\n  block:\n    material: metal\n    element: {{type: "
             "hex8, hourglass: {1}}}\n    mesh: {{type: block, size: [{2}e-3, {2}e-3, {2}e-3], cells: [{2}, {2}, {2}]}}",
-            material, hourglass, cells))) {
+            material, hourglass, cells, precision))) {
     test::generate(model_, *input_);
     erosion_ = std::make_unique<Erosion>(model_);
     ledger_.open(model_);
@@ -80,17 +81,21 @@ class SwayingBlock {
   /// What the element phase has to move at least: fields read and written (the mass read only), nodes of the elements,
   /// positions and velocities read, forces read and written.
   double traffic() const {
-    return store().n_slots() * (16.0 * store().record_size() - 8.0 + 32.0) + model_.nodes.n() * 128.0;
+    return store().n_slots() * (2.0 * bytes_per_element() - 8.0 + 32.0) + model_.nodes.n() * 128.0;
   }
-  double working_set() const {
-    return store().n_slots() * (8.0 * store().record_size() + 32.0) + model_.nodes.n() * 96.0;
-  }
+  double working_set() const { return store().n_slots() * (bytes_per_element() + 32.0) + model_.nodes.n() * 96.0; }
 
  private:
   static constexpr int period = 20;  // steps forth and back
 
-  AlignedVector<double>& field(int f) {
-    return model_.parts[0].store->field(static_cast<PartStore::FieldIndex>(f)).data;
+  Field& field(int f) { return model_.parts[0].store->field(static_cast<PartStore::FieldIndex>(f)); }
+  double bytes_per_element() const {
+    double bytes = 0.0;
+    for (int f = 0; f < PartStore::n_fields; ++f) {
+      const Field& each = store().field(static_cast<PartStore::FieldIndex>(f));
+      bytes += each.n_components * (each.is_single ? 4.0 : 8.0);
+    }
+    return bytes;
   }
   /// Velocities of a wave of shear, and of some compression, along each axis; 0.4 % of strain in a step at most.
   void push_off() {
@@ -111,15 +116,16 @@ class SwayingBlock {
   Step step_;
   struct {
     AlignedVector<double> position;
-    std::vector<AlignedVector<double>> fields;
+    std::vector<Field> fields;
   } home_;
   int at_ = 0;  // step of the period
   std::string trouble_;
 };
 
 /// Items are elements; the move between two calls is not timed.
-void internal_forces(benchmark::State& state, const std::string& hourglass, const std::string& material) {
-  SwayingBlock block(hourglass, material, static_cast<int>(state.range(0)));
+void internal_forces(benchmark::State& state, const std::string& hourglass, const std::string& material,
+                     const std::string& precision = "double") {
+  SwayingBlock block(hourglass, material, static_cast<int>(state.range(0)), precision);
   for (auto _ : state) {
     state.PauseTiming();
     block.advance();
@@ -152,6 +158,9 @@ void block_sizes(benchmark::internal::Benchmark* b) {
 BENCHMARK_CAPTURE(internal_forces, viscous_elastic_plastic, "viscous", elastic_plastic)->Apply(block_sizes);
 BENCHMARK_CAPTURE(internal_forces, stiffness_elastic_plastic, "stiffness", elastic_plastic)->Apply(block_sizes);
 BENCHMARK_CAPTURE(internal_forces, viscous_johnson_cook, "viscous", johnson_cook)->Apply(block_sizes);
+BENCHMARK_CAPTURE(internal_forces, viscous_elastic_plastic_single, "viscous", elastic_plastic, "single")
+    ->Apply(block_sizes);
+BENCHMARK_CAPTURE(internal_forces, viscous_johnson_cook_single, "viscous", johnson_cook, "single")->Apply(block_sizes);
 BENCHMARK(kick_and_drift)->Apply(block_sizes);
 
 }  // namespace

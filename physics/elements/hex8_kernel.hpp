@@ -1,0 +1,500 @@
+// The update of eight-node hexahedra, block by block, with numbers of type `Real`, double or float: strain, laws,
+// energies, erosion, hourglass control, forces.
+//
+// In single precision what is kept per element is stored as floats, but masses, energies and what laws keep, and laws
+// compute in doubles; the nodes' motion relative to the element's first node is taken in doubles and then rounded.
+// Forces and energies are rounded to whole quanta of 64 bits in both.
+//
+// Sources: see hex8.cpp.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "hex8_kinematics.hpp"
+
+namespace kerf::hex8 {
+
+/// What the user chooses; see hex8.cpp.
+struct Control {
+  bool free_element = false;
+  double hourglass_coefficient = 0.0, linear_viscosity = 0.0, quadratic_viscosity = 0.0;
+};
+
+template <class Real>
+class Kernel {
+ public:
+  using Work = ElementArrays<Real>;
+  using V = LanesOf<Real>;
+  using Motion = Kinematics<Real>;
+  using Strain = StepStrain<Real>;
+
+  explicit Kernel(const Control& control)
+      : free_element_(control.free_element),
+        hourglass_coefficient_(static_cast<Real>(control.hourglass_coefficient)),
+        linear_viscosity_(static_cast<Real>(control.linear_viscosity)),
+        quadratic_viscosity_(static_cast<Real>(control.quadratic_viscosity)) {}
+
+  void initialise(Work& w) const {
+    for (int block = 0; block < w.n_blocks; ++block) {
+      Motion k[pieces_of<Real>];
+      LawRows rows;
+      alignas(64) double no_strain[6][lane_width] = {};
+      std::fill_n(rows.energy, lane_width, 0.0);
+      each_piece<Real>([&](int lane) __attribute__((always_inline)) {
+        Motion& piece = k[lane / lanes_of<Real>];
+        gather(w.position, w.velocity, nodes_of(w, block, lane), piece);
+        measure(piece);
+        store_lanes(at(w.volume, 1, block, 0, lane), piece.volume);
+        if (mask_of(~(piece.volume > Real(0.0))) != 0 && w.inverted_block < 0) w.inverted_block = block;
+        store_lanes(rows.density + lane, load_lanes_as<Real>(at(w.mass, 1, block, 0, lane)) / piece.volume);
+        for (int i = 0; i < 6; ++i)
+          store_lanes(rows.deviator[i] + lane, load_lanes(at(w.deviator, 6, block, i, lane)));
+      });
+      update_material(w, block, no_strain, rows);
+      evaluate_eos(w, block, rows);
+      each_piece<Real>([&](int lane) __attribute__((always_inline)) {
+        const Motion& piece = k[lane / lanes_of<Real>];
+        store_lanes(at(w.pressure, 1, block, 0, lane), load_lanes_as<Real>(rows.pressure + lane));
+        for (int i = 0; i < 6; ++i)
+          store_lanes(at(w.deviator, 6, block, i, lane), load_lanes_as<Real>(rows.deviator[i] + lane));
+        const V rho = load_lanes_as<Real>(rows.density + lane), shear = load_lanes_as<Real>(rows.modulus + lane),
+                K = load_lanes_as<Real>(rows.bulk + lane);
+        const V c2 = (K + Real(4.0 / 3.0) * shear) / rho, viscosity = linear_viscosity_ * sqrt_of(c2);
+        const V fastest2 = c2 + breathing(piece, K, shear, rho);
+        note_step(w, block, lane, piece.length / (viscosity + sqrt_of(viscosity * viscosity + fastest2)));
+        add_initial_forces(w, block, lane, piece);
+      });
+    }
+  }
+
+  template <bool stiffness>
+  void run(Work& w) const {
+    Totals totals;
+    for (int block = 0; block < w.n_blocks; ++block) {
+      fetch_ahead(w, block);
+      update_block<stiffness>(w, block, totals);
+    }
+    for (int l = 0; l < lane_width; ++l) w.hourglass_energy += totals.hourglass_energy[l];
+  }
+
+ private:
+  /// What a piece of a block carries from one phase of the update to the next.
+  struct Piece {
+    Motion k;
+    V s[6];  // deviator: rotated to the end of the step, later updated [Pa]
+    V good;  // 1 where the volume is positive, otherwise 0
+    V volume, old_volume, per_volume;  // the first one positive
+    V mass, per_mass, density, old_energy, work;  // the latter of the deviator in this step [J]
+    V wave, c;  // rho c^2 [Pa], c [m/s]
+    V viscosity, q, viscous_work, p;  // linear and quadratic [m/s]; bulk viscosity pressure [Pa]; [J]; [Pa]
+    V stable;  // step [s]
+  };
+  static constexpr bool is_single = std::is_same_v<Real, float>;
+  /// Rows of a block for laws, which compute in double precision always.
+  struct LawRows {
+    alignas(64) double deviator[6][lane_width], density[lane_width], energy[lane_width], modulus[lane_width];
+    alignas(64) double pressure[lane_width], bulk[lane_width];  // both from the EOS
+  };
+  struct Rows : LawRows {
+    Strain step;
+  };
+  /// Sums over blocks.
+  struct Totals {
+    alignas(64) std::int64_t hourglass_energy[lane_width] = {};  // in quanta
+  };
+
+  static V all(double v) { return lanes(static_cast<Real>(v)); }
+  /// As criteria and laws want them: the rows themselves, or a copy in double precision.
+  template <int n>
+  [[gnu::always_inline]] static const double (*widen(const double (&rows)[n][lane_width],
+                                                      double (&)[n][lane_width]))[lane_width] {
+    return rows;
+  }
+  template <int n>
+  [[gnu::always_inline]] static const double (*widen(const float (&rows)[n][lane_width],
+                                                      double (&wide)[n][lane_width]))[lane_width] {
+    for (int i = 0; i < n; ++i)
+      for (int lane = 0; lane < lane_width; lane += single_lanes) store_lanes(wide[i] + lane, load_lanes(rows[i] + lane));
+    return wide;
+  }
+
+  /// Entry of a blocked array: [block][n_components][lane].
+  template <class Number>
+  [[gnu::always_inline]] static Number* at(Number* array, int n_components, int block, int component, int lane) {
+    return array + (static_cast<std::int64_t>(block) * n_components + component) * lane_width + lane;
+  }
+  [[gnu::always_inline]] static const std::int32_t* nodes_of(const Work& w, int block, int lane) {
+    return at(w.nodes, 8, block, 0, lane);
+  }
+
+  /// An initial pressure pushes from the first kick on.
+  static void add_initial_forces(Work& w, int block, int lane, const Motion& k) {
+    const V pressure = load_lanes(at(w.pressure, 1, block, 0, lane)) * static_cast<Real>(w.scale.per_quantum);
+    V force[3][8];
+    for (int i = 0; i < 3; ++i)
+      for (int n = 0; n < 7; ++n) force[i][n] = pressure * k.b[i][n];
+    scatter_forces<false>(w, nodes_of(w, block, lane), force);
+  }
+
+  /// What a free element adds to the square of the plane wave's speed, for the time step. With P_i the eigenvalues of
+  /// B B^T, deformation along its axes has the stiffness 2 G P_i delta_ij + lambda sqrt(P_i P_j), whose largest
+  /// eigenvalue is at most 2 G P_max + lambda tr P; the plane wave's is (2 G + lambda) P_max. Neighbours keep each
+  /// other from breathing in all directions at once, so bodies of several cells do not need it.
+  [[gnu::always_inline]] V breathing(const Motion& k, V bulk, V shear, V rho) const {
+    if (!free_element_) return V{};
+    const V lambda = max_of(bulk - Real(2.0 / 3.0) * shear, V{});
+    const V per_area = k.length / k.volume;  // 1 / sqrt(2 P_max)
+    return lambda * max_of(Real(2.0) * k.gradient_norm * per_area * per_area - Real(1.0), V{}) / rho;
+  }
+
+  [[gnu::always_inline]] static void note_step(Work& w, int block, int lane, V step) {
+    const V least = load_lanes(w.least_step + lane);
+    const auto less = step < least;
+    store_lanes(w.least_step + lane, less ? step : least);
+    const LaneIntsOf<Real> where = load_lanes(w.least_block + lane);
+    store_lanes(w.least_block + lane, less ? (LaneIntsOf<Real>{} + block) : where);
+  }
+
+  static void evaluate_eos(Work& w, int block, LawRows& rows) {
+    EosBatch e;
+    e.reference_density = w.reference_density;
+    e.density = rows.density;
+    e.specific_energy = rows.energy;
+    e.state = at(w.eos_state, w.n_eos_state, block, 0, 0);
+    e.pressure = rows.pressure;
+    e.bulk_modulus = rows.bulk;
+    w.eos->evaluate(e);
+  }
+
+  /// Asks for what the next blocks will read: a part has more arrays than the hardware can foresee, and nodes are
+  /// known by their numbers alone. Worth half of the speed of large models.
+  [[gnu::always_inline]] static void fetch_ahead(const Work& w, int block) {
+    constexpr int fields_ahead = 3, nodes_ahead = 2;  // blocks; 2 to 8 and 1 to 4 are much the same
+    const std::int64_t far = std::min(block + fields_ahead, w.n_blocks - 1);
+    // Always in line: as a function that does nothing but ask, it would be left out.
+    const auto fetch = [far](const auto* array, int n_components) __attribute__((always_inline)) {
+      constexpr int step = 64 / sizeof(*array);  // entries of a cache line
+      for (int i = 0; i < n_components * lane_width; i += step)
+        __builtin_prefetch(array + far * n_components * lane_width + i);
+    };
+    for (int line = 0; line < 4; ++line) __builtin_prefetch(w.nodes + 64 * far + 16 * line);
+    fetch(w.mass, 1);
+    fetch(w.volume, 1);
+    fetch(w.pressure, 1);
+    fetch(w.internal_energy, 1);
+    fetch(w.viscous_energy, 1);
+    fetch(w.deviator, 6);
+    fetch(w.element_state, w.n_element_state);
+    fetch(w.material_state, w.n_material_state);
+    fetch(w.eos_state, w.n_eos_state);
+    // Along the curve that elements stand on, the corner farthest from the origin is the newest one.
+    const std::int64_t near = std::min(block + nodes_ahead, w.n_blocks - 1);
+    for (int l = 0; l < lane_width; ++l) {
+      const std::int64_t newest = 4 * static_cast<std::int64_t>(w.nodes[64 * near + 6 * lane_width + l]);
+      __builtin_prefetch(w.position + newest);
+      __builtin_prefetch(w.velocity + newest);
+      __builtin_prefetch(w.force + newest, 1);
+    }
+  }
+
+  template <bool stiffness>
+  [[gnu::always_inline]] void update_block(Work& w, int block, Totals& totals) const {
+    Piece pieces[pieces_of<Real>];
+    Rows rows;
+    const auto piece = [&pieces](int lane) -> Piece& { return pieces[lane / lanes_of<Real>]; };
+    each_piece<Real>([&](int lane) __attribute__((always_inline)) { deform(w, block, lane, piece(lane), rows); });
+    alignas(64) double wide_strain[is_single ? 6 : 1][lane_width];
+    const double(*strain)[lane_width] = nullptr;
+    if constexpr (is_single)
+      strain = widen<6>(rows.step.strain, wide_strain);
+    else
+      strain = rows.step.strain;
+    update_material(w, block, strain, rows);
+    const bool uses_energy = w.eos->uses_energy();
+    each_piece<Real>([&](int lane) __attribute__((always_inline)) { predict_energy(w, block, lane, uses_energy, piece(lane), rows); });
+    evaluate_eos(w, block, rows);
+    each_piece<Real>([&](int lane) __attribute__((always_inline)) { add_viscosity(w, block, lane, uses_energy, piece(lane), rows); });
+    if (uses_energy) evaluate_eos(w, block, rows);
+    each_piece<Real>([&](int lane) __attribute__((always_inline)) { finish_state(w, block, lane, piece(lane), rows); });
+    const unsigned dead = w.judge ? judge_block(w, block, strain, rows.step.rotation, pieces) : 0;
+    alignas(64) Real alive[lane_width];
+    std::fill_n(alive, lane_width, Real(1.0));
+    for (unsigned left = dead; left != 0; left &= left - 1) alive[std::countr_zero(left)] = Real(0.0);
+    each_piece<Real>([&](int lane) __attribute__((always_inline)) {
+      const Piece& p = piece(lane);
+      const unsigned inverted = mask_of(~(p.k.volume > Real(0.0))) & ~(dead >> lane);
+      if (inverted != 0 && w.inverted_block < 0) w.inverted_block = block;
+      const V live = load_lanes(alive + lane) * p.good;
+      note_step(w, block, lane, live > Real(0.0) ? p.stable : lanes(std::numeric_limits<Real>::max()));
+      add_forces<stiffness>(w, block, lane, p, rows.step, live, totals);
+    });
+  }
+
+  /// From nodal motion to the strain of the step and the rotated deviator.
+  [[gnu::always_inline]] static void deform(const Work& w, int block, int lane, Piece& p, Rows& rows) {
+    gather(w.position, w.velocity, nodes_of(w, block, lane), p.k);
+    measure(p.k);
+    // An element without volume keeps its state; it is eroded below, or stops the run.
+    p.old_volume = load_lanes(at(w.volume, 1, block, 0, lane));
+    const auto upright = p.k.volume > Real(0.0);
+    p.good = upright ? all(1.0) : V{};
+    p.volume = upright ? p.k.volume : p.old_volume;
+    p.per_volume = Real(1.0) / p.volume;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) p.k.velocity_gradient[i][j] = dot8(p.k.v[i], p.k.b[j]) * p.per_volume;
+    strain_of_step<Real>(p.k.velocity_gradient, static_cast<Real>(w.dt), p.good, rows.step, lane);
+    for (int i = 0; i < 6; ++i) p.s[i] = load_lanes(at(w.deviator, 6, block, i, lane));
+    rotate_rows<Real>(rows.step.rotation, lane, p.s);
+    for (int i = 0; i < 6; ++i) store_lanes(rows.deviator[i] + lane, p.s[i]);
+    p.mass = load_lanes_as<Real>(at(w.mass, 1, block, 0, lane));
+    p.per_mass = Real(1.0) / p.mass;
+    p.density = p.mass * p.per_volume;
+    p.old_energy = load_lanes_as<Real>(at(w.internal_energy, 1, block, 0, lane));
+    store_lanes(rows.density + lane, p.density);
+    store_lanes(rows.energy + lane, p.old_energy * p.per_mass);
+  }
+
+  static void update_material(Work& w, int block, const double (*strain)[lane_width], LawRows& rows) {
+    alignas(64) double wide[1][lane_width];
+    const Real* pressure = at(w.pressure, 1, block, 0, 0);
+    MaterialBatch m;
+    m.dt = w.dt;
+    m.reference_density = w.reference_density;
+    m.strain_increment = strain;
+    m.density = rows.density;
+    m.specific_energy = rows.energy;
+    m.pressure = *widen<1>(*reinterpret_cast<const Real(*)[1][lane_width]>(pressure), wide);
+    m.deviator = rows.deviator;
+    m.state = at(w.material_state, w.n_material_state, block, 0, 0);
+    m.shear_modulus = rows.modulus;
+    w.material->update(m);
+  }
+
+  /// Work of the mean of the old and the new deviator; energy with the old pressure, for the EOS.
+  [[gnu::always_inline]] static void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
+                                                    Rows& rows) {
+    V work{};
+    for (int i = 0; i < 6; ++i) {
+      const V now = load_lanes_as<Real>(rows.deviator[i] + lane);
+      work += Real(i < 3 ? 1.0 : 2.0) * (p.s[i] + now) * load_lanes(rows.step.strain[i] + lane);
+      p.s[i] = now;
+      store_lanes(at(w.deviator, 6, block, i, lane), now);
+    }
+    p.work = work * (Real(0.25) * (p.volume + p.old_volume));
+    if (!uses_energy) return;
+    const V old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
+    const V predicted = p.old_energy + p.work - old_pressure * (p.volume - p.old_volume);
+    store_lanes(rows.energy + lane, predicted * p.per_mass);
+  }
+
+  /// Wave speed, bulk viscosity in compression only (von Neumann & Richtmyer 1950; Landshoff 1955), and the centred
+  /// energy.
+  [[gnu::always_inline]] void add_viscosity(const Work& w, int block, int lane, bool uses_energy, Piece& p,
+                                            Rows& rows) const {
+    const V wave =
+        load_lanes_as<Real>(rows.bulk + lane) + Real(4.0 / 3.0) * load_lanes_as<Real>(rows.modulus + lane);
+    p.wave = wave > Real(0.0) ? wave : V{};
+    p.c = sqrt_of(p.wave / p.density) + tiny<Real>;
+    const auto& strain = rows.step.strain;
+    const V dilatation =
+        (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) / static_cast<Real>(w.dt);
+    const V closing = dilatation < Real(0.0) ? -dilatation : V{};
+    p.viscosity = linear_viscosity_ * p.c + quadratic_viscosity_ * p.k.length * closing;
+    p.q = p.k.volume > Real(0.0) ? p.density * p.k.length * closing * p.viscosity : V{};
+    Real* stored = at(w.element_state, w.n_element_state, block, 0, lane);
+    const V old_q = load_lanes(stored), volume_change = p.volume - p.old_volume;
+    store_lanes(stored, p.q);
+    p.viscous_work = Real(-0.5) * (old_q + p.q) * volume_change;
+    if (!uses_energy) return;
+    const V old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
+    const V centred = p.old_energy + p.work + p.viscous_work -
+                          Real(0.5) * (old_pressure + load_lanes_as<Real>(rows.pressure + lane)) * volume_change;
+    store_lanes(rows.energy + lane, centred * p.per_mass);
+  }
+
+  /// Energies, pressure and volume at the end of the step, and the stable step with the viscosity's share.
+  [[gnu::always_inline]] void finish_state(Work& w, int block, int lane, Piece& p, const Rows& rows) const {
+    p.p = load_lanes_as<Real>(rows.pressure + lane);
+    const V old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
+    double *internal_energy = at(w.internal_energy, 1, block, 0, lane),
+           *viscous_energy = at(w.viscous_energy, 1, block, 0, lane);
+    const V pressure_work = Real(0.5) * (old_pressure + p.p) * (p.volume - p.old_volume);
+    if constexpr (std::is_same_v<Real, double>) {
+      store_lanes(internal_energy, p.old_energy + p.work + p.viscous_work - pressure_work);
+      store_lanes(viscous_energy, load_lanes(viscous_energy) + p.viscous_work);
+    } else {
+      add_lanes(internal_energy, p.work + p.viscous_work - pressure_work);
+      add_lanes(viscous_energy, p.viscous_work);
+    }
+    store_lanes(at(w.pressure, 1, block, 0, lane), p.p);
+    store_lanes(at(w.volume, 1, block, 0, lane), p.volume);
+    const V fastest2 =
+        p.c * p.c + breathing(p.k, load_lanes_as<Real>(rows.bulk + lane),
+                              load_lanes_as<Real>(rows.modulus + lane), p.density);
+    p.stable = p.k.length / (p.viscosity + sqrt_of(p.viscosity * p.viscosity + fastest2));
+  }
+
+  unsigned judge_block(Work& w, int block, const double (*strain)[lane_width], const Real (&rotation)[9][lane_width],
+                       const Piece (&pieces)[pieces_of<Real>]) const {
+    alignas(64) double stress[6][lane_width], pressure[lane_width], density[lane_width], volume[lane_width],
+        time_step[lane_width], wide[is_single ? 9 : 1][lane_width];
+    each_piece<Real>([&](int lane) __attribute__((always_inline)) {
+      const Piece& p = pieces[lane / lanes_of<Real>];
+      const auto reference = static_cast<Real>(w.reference_density);
+      for (int i = 0; i < 6; ++i) store_lanes(stress[i] + lane, i < 3 ? p.s[i] - p.p : p.s[i]);
+      store_lanes(pressure + lane, p.p);
+      store_lanes(density + lane, p.density / reference);
+      store_lanes(volume + lane, p.k.volume * reference / p.mass);
+      store_lanes(time_step + lane, p.stable);
+    });
+    ErosionBatch rows;
+    rows.stress = stress;
+    rows.strain_increment = strain;
+    if constexpr (is_single)
+      rows.rotation = widen<9>(rotation, wide);
+    else
+      rows.rotation = rotation;
+    rows.pressure = pressure;
+    rows.density_ratio = density;
+    rows.volume_ratio = volume;
+    rows.time_step = time_step;
+    const unsigned dead = w.judge->judge(rows, block);
+    w.failed[block] = static_cast<std::uint8_t>(dead);
+    return dead;
+  }
+
+  /// f_I = -(sigma - hourglass correction) B_I - hourglass, in quanta; the last node takes minus the others'
+  /// sum, so that an element's forces add up to nothing exactly.
+  template <bool stiffness>
+  [[gnu::always_inline]] void add_forces(Work& w, int block, int lane, const Piece& p, const Strain& step,
+                                         V alive, Totals& totals) const {
+    const Motion& k = p.k;
+    V shape[3][4], rate[3][4];
+    for (int d = 0; d < 3; ++d) {
+      project_hourglass(k.x[d], shape[d]);
+      project_hourglass(k.v[d], rate[d]);
+    }
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a)
+        for (int j = 0; j < 3; ++j) rate[i][a] -= k.velocity_gradient[i][j] * shape[j][a];
+
+    V resist[3][4];
+    if constexpr (stiffness)
+      resist_displacement(w, block, lane, p, step, rate, alive, resist, totals);
+    else
+      resist_velocity(w, block, lane, p, rate, alive, resist, totals);
+
+    const V scale = alive * static_cast<Real>(w.scale.per_quantum), total = p.p + p.q;
+    const V(&s)[6] = p.s;
+    V sigma[3][3] = {{s[0] - total, s[3], s[5]}, {s[3], s[1] - total, s[4]}, {s[5], s[4], s[2] - total}};
+    V force[3][8], size{};
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        V correction{};
+        for (int a = 0; a < 4; ++a) correction += resist[i][a] * shape[j][a];
+        sigma[i][j] = (sigma[i][j] - correction * p.per_volume) * scale;
+      }
+      V g[4];
+      for (int a = 0; a < 4; ++a) g[a] = resist[i][a] * scale;
+      spread_hourglass(g, force[i]);
+      for (int n = 0; n < 7; ++n) {
+        force[i][n] = -(force[i][n] + sigma[i][0] * k.b[0][n] + sigma[i][1] * k.b[1][n] + sigma[i][2] * k.b[2][n]);
+        size += abs_of(force[i][n]);
+      }
+    }
+    const std::int32_t* nodes = nodes_of(w, block, lane);
+    if (mask_of(size < static_cast<Real>(small_limit)) == all_lanes_of<Real>) [[likely]]
+      scatter_forces<true>(w, nodes, force);
+    else if (!scatter_forces<false>(w, nodes, force) && w.bad_block < 0)
+      w.bad_block = block;
+  }
+
+  /// False where a force is not finite or too large.
+  template <bool small>
+  [[gnu::always_inline]] static bool scatter_forces(Work& w, const std::int32_t* nodes, const V (&force)[3][8]) {
+    bool sound = scatter_part<small, 0>(w, nodes, force);
+    if constexpr (n_wide<Real> == 2) sound &= scatter_part<small, 1>(w, nodes, force);
+    return sound;
+  }
+  template <bool small, int part>
+  [[gnu::always_inline]] static bool scatter_part(Work& w, const std::int32_t* first, const V (&force)[3][8]) {
+    const std::int32_t* nodes = first + part * register_lanes;
+    LanesInt last[3] = {}, sound = ~LanesInt{};
+    for (int n = 0; n < 7; ++n) {
+      LanesInt quanta[3];
+      for (int i = 0; i < 3; ++i) {
+        const Lanes f = widened<part>(force[i][n]);
+        if constexpr (!small) sound &= abs_of(f) < ForceScale::limit;
+        quanta[i] = small ? round_small_to_int(f) : round_to_int(f);
+        last[i] -= quanta[i];
+      }
+      scatter_add(w.force, nodes + lane_width * n, quanta[0], quanta[1], quanta[2]);
+    }
+    scatter_add(w.force, nodes + lane_width * 7, last[0], last[1], last[2]);
+    return mask_of(sound) == all_lanes;
+  }
+
+  /// Viscous control: resistance = Q/4 rho c A g (Hallquist 1998, eq. 3.21, with A = sqrt(2/3 B:B), which is the
+  /// face area of a cube). A force acts on the mean of the velocities before and after it, so half of its work is
+  /// booked now and half in the next step, which knows the velocity after it.
+  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p,
+                                              const V (&rate)[3][4], V alive, V (&resist)[3][4],
+                                              Totals& totals) const {
+    const V area = sqrt_of(p.k.gradient_norm * Real(2.0 / 3.0));
+    const V coefficient = (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+    V work{};
+    for (int a = 0; a < 4; ++a)
+      for (int i = 0; i < 3; ++i) {
+        resist[i][a] = coefficient * rate[i][a];
+        Real* stored = at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane);
+        work += (load_lanes(stored) + resist[i][a]) * rate[i][a];
+        store_lanes(stored, resist[i][a]);
+      }
+    book_hourglass(w, lane, work, alive, totals);
+  }
+
+  static void book_hourglass(const Work& w, int lane, V work, V alive, Totals& totals) {
+    book_part<0>(w, lane, work, alive, totals);
+    if constexpr (n_wide<Real> == 2) book_part<1>(w, lane, work, alive, totals);
+  }
+  template <int part>
+  [[gnu::always_inline]] static void book_part(const Work& w, int lane, V work, V alive, Totals& totals) {
+    const Lanes energy = 0.5 * widened<part>(work) * w.dt * widened<part>(alive) * w.energy_per_quantum;
+    const bool small = mask_of(abs_of(energy) < small_limit) == all_lanes;
+    const LanesInt quanta =
+        small ? round_small_to_int(energy) : round_to_int(max_of(min_of(energy, lanes(1e18)), lanes(-1e18)));
+    std::int64_t* total = totals.hourglass_energy + lane + part * register_lanes;
+    store_lanes(total, load_lanes(total) + quanta);
+  }
+
+  /// Stiffness control (Flanagan & Belytschko 1981, eqs. 63-67): resistance grows with k g dt and turns with the
+  /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
+  /// highest frequency of the element.
+  [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
+                                                  const Strain& step, const V (&rate)[3][4], V alive,
+                                                  V (&resist)[3][4], Totals& totals) const {
+    const V growth = (hourglass_coefficient_ / Real(24.0)) * p.wave * p.k.gradient_norm * p.per_volume * static_cast<Real>(w.dt);
+    V work{};
+    V r[9];
+    for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);
+    for (int a = 0; a < 4; ++a) {
+      V old[3];
+      for (int i = 0; i < 3; ++i)
+        old[i] = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+      for (int i = 0; i < 3; ++i) {
+        const V turned = r[3 * i] * old[0] + r[3 * i + 1] * old[1] + r[3 * i + 2] * old[2];
+        resist[i][a] = turned + growth * rate[i][a];
+        work += (turned + resist[i][a]) * rate[i][a];
+        store_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane), resist[i][a]);
+      }
+    }
+    book_hourglass(w, lane, work, alive, totals);
+  }
+
+  bool free_element_;
+  Real hourglass_coefficient_, linear_viscosity_, quadratic_viscosity_;
+};
+
+}  // namespace kerf::hex8
