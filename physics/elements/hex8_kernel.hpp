@@ -39,9 +39,7 @@ class Kernel {
   void initialise(Work& w) const {
     for (int block = 0; block < w.n_blocks; ++block) {
       Motion k[pieces_of<Real>];
-      LawRows rows;
-      alignas(64) double no_strain[6][lane_width] = {};
-      std::fill_n(rows.energy, lane_width, 0.0);
+      Rows rows{};
       each_piece<Real>([&](int lane) __attribute__((always_inline)) {
         Motion& piece = k[lane / lanes_of<Real>];
         gather(w.position, w.velocity, nodes_of(w, block, lane), piece);
@@ -52,14 +50,14 @@ class Kernel {
         for (int i = 0; i < 6; ++i)
           store_lanes(rows.deviator[i] + lane, load_lanes(at(w.deviator, 6, block, i, lane)));
       });
-      update_material(w, block, no_strain, rows);
+      update_material(w, block, rows);
       evaluate_eos(w, block, rows);
       each_piece<Real>([&](int lane) __attribute__((always_inline)) {
         const Motion& piece = k[lane / lanes_of<Real>];
         store_lanes(at(w.pressure, 1, block, 0, lane), load_lanes_as<Real>(rows.pressure + lane));
         for (int i = 0; i < 6; ++i)
-          store_lanes(at(w.deviator, 6, block, i, lane), load_lanes_as<Real>(rows.deviator[i] + lane));
-        const V rho = load_lanes_as<Real>(rows.density + lane), shear = load_lanes_as<Real>(rows.modulus + lane),
+          store_lanes(at(w.deviator, 6, block, i, lane), load_lanes(rows.deviator[i] + lane));
+        const V rho = load_lanes(rows.density + lane), shear = load_lanes(rows.modulus + lane),
                 K = load_lanes_as<Real>(rows.bulk + lane);
         const V c2 = (K + Real(4.0 / 3.0) * shear) / rho, viscosity = linear_viscosity_ * sqrt_of(c2);
         const V fastest2 = c2 + breathing(piece, K, shear, rho);
@@ -92,13 +90,11 @@ class Kernel {
     V stable;  // step [s]
   };
   static constexpr bool is_single = std::is_same_v<Real, float>;
-  /// Rows of a block for laws, which compute in double precision always.
-  struct LawRows {
-    alignas(64) double deviator[6][lane_width], density[lane_width], energy[lane_width], modulus[lane_width];
-    alignas(64) double pressure[lane_width], bulk[lane_width];  // both from the EOS
-  };
-  struct Rows : LawRows {
+  /// Rows of a block, for laws and criteria.
+  struct Rows {
     Strain step;
+    alignas(64) Real deviator[6][lane_width], density[lane_width], energy[lane_width], modulus[lane_width];
+    alignas(64) double pressure[lane_width], bulk[lane_width];  // from the EOS
   };
   /// Sums over blocks.
   struct Totals {
@@ -106,19 +102,22 @@ class Kernel {
   };
 
   static V all(double v) { return lanes(static_cast<Real>(v)); }
-  /// As criteria and laws want them: the rows themselves, or a copy in double precision.
-  template <int n>
-  [[gnu::always_inline]] static const double (*widen(const double (&rows)[n][lane_width],
-                                                      double (&)[n][lane_width]))[lane_width] {
-    return rows;
-  }
-  template <int n>
-  [[gnu::always_inline]] static const double (*widen(const float (&rows)[n][lane_width],
-                                                      double (&wide)[n][lane_width]))[lane_width] {
-    for (int i = 0; i < n; ++i)
-      for (int lane = 0; lane < lane_width; lane += single_lanes) store_lanes(wide[i] + lane, load_lanes(rows[i] + lane));
+  /// The row itself, or its copy in double precision.
+  [[gnu::always_inline]] static const double* widen(const double* row, double*) { return row; }
+  [[gnu::always_inline]] static const double* widen(const float* row, double* wide) {
+    for (int lane = 0; lane < lane_width; lane += single_lanes) store_lanes(wide + lane, load_lanes(row + lane));
     return wide;
   }
+  /// The same of rows, for criteria.
+  struct Wide {
+    StepStrain<double> copy;
+    [[gnu::always_inline]] const StepStrain<double>& operator()(const StepStrain<double>& step) { return step; }
+    [[gnu::always_inline]] const StepStrain<double>& operator()(const StepStrain<float>& step) {
+      for (int i = 0; i < 6; ++i) widen(step.strain[i], copy.strain[i]);
+      for (int i = 0; i < 9; ++i) widen(step.rotation[i], copy.rotation[i]);
+      return copy;
+    }
+  };
 
   /// Entry of a blocked array: [block][n_components][lane].
   template <class Number>
@@ -157,11 +156,12 @@ class Kernel {
     store_lanes(w.least_block + lane, less ? (LaneIntsOf<Real>{} + block) : where);
   }
 
-  static void evaluate_eos(Work& w, int block, LawRows& rows) {
+  static void evaluate_eos(Work& w, int block, Rows& rows) {
+    alignas(64) double wide[2][lane_width];
     EosBatch e;
     e.reference_density = w.reference_density;
-    e.density = rows.density;
-    e.specific_energy = rows.energy;
+    e.density = widen(rows.density, wide[0]);
+    e.specific_energy = widen(rows.energy, wide[1]);
     e.state = at(w.eos_state, w.n_eos_state, block, 0, 0);
     e.pressure = rows.pressure;
     e.bulk_modulus = rows.bulk;
@@ -205,20 +205,14 @@ class Kernel {
     Rows rows;
     const auto piece = [&pieces](int lane) -> Piece& { return pieces[lane / lanes_of<Real>]; };
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { deform(w, block, lane, piece(lane), rows); });
-    alignas(64) double wide_strain[is_single ? 6 : 1][lane_width];
-    const double(*strain)[lane_width] = nullptr;
-    if constexpr (is_single)
-      strain = widen<6>(rows.step.strain, wide_strain);
-    else
-      strain = rows.step.strain;
-    update_material(w, block, strain, rows);
+    update_material(w, block, rows);
     const bool uses_energy = w.eos->uses_energy();
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { predict_energy(w, block, lane, uses_energy, piece(lane), rows); });
     evaluate_eos(w, block, rows);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { add_viscosity(w, block, lane, uses_energy, piece(lane), rows); });
     if (uses_energy) evaluate_eos(w, block, rows);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { finish_state(w, block, lane, piece(lane), rows); });
-    const unsigned dead = w.judge ? judge_block(w, block, strain, rows.step.rotation, pieces) : 0;
+    const unsigned dead = w.judge ? judge_block(w, block, rows.step, pieces) : 0;
     alignas(64) Real alive[lane_width];
     std::fill_n(alive, lane_width, Real(1.0));
     for (unsigned left = dead; left != 0; left &= left - 1) alive[std::countr_zero(left)] = Real(0.0);
@@ -256,20 +250,21 @@ class Kernel {
     store_lanes(rows.energy + lane, p.old_energy * p.per_mass);
   }
 
-  static void update_material(Work& w, int block, const double (*strain)[lane_width], LawRows& rows) {
-    alignas(64) double wide[1][lane_width];
-    const Real* pressure = at(w.pressure, 1, block, 0, 0);
-    MaterialBatch m;
+  static void update_material(Work& w, int block, Rows& rows) {
+    MaterialRows<Real> m;
     m.dt = w.dt;
     m.reference_density = w.reference_density;
-    m.strain_increment = strain;
+    m.strain_increment = rows.step.strain;
     m.density = rows.density;
     m.specific_energy = rows.energy;
-    m.pressure = *widen<1>(*reinterpret_cast<const Real(*)[1][lane_width]>(pressure), wide);
+    m.pressure = at(w.pressure, 1, block, 0, 0);
     m.deviator = rows.deviator;
     m.state = at(w.material_state, w.n_material_state, block, 0, 0);
     m.shear_modulus = rows.modulus;
-    w.material->update(m);
+    if constexpr (is_single)
+      w.material->update_single(m);
+    else
+      w.material->update(m);
   }
 
   /// Work of the mean of the old and the new deviator; energy with the old pressure, for the EOS.
@@ -277,7 +272,7 @@ class Kernel {
                                                     Rows& rows) {
     V work{};
     for (int i = 0; i < 6; ++i) {
-      const V now = load_lanes_as<Real>(rows.deviator[i] + lane);
+      const V now = load_lanes(rows.deviator[i] + lane);
       work += Real(i < 3 ? 1.0 : 2.0) * (p.s[i] + now) * load_lanes(rows.step.strain[i] + lane);
       p.s[i] = now;
       store_lanes(at(w.deviator, 6, block, i, lane), now);
@@ -294,7 +289,7 @@ class Kernel {
   [[gnu::always_inline]] void add_viscosity(const Work& w, int block, int lane, bool uses_energy, Piece& p,
                                             Rows& rows) const {
     const V wave =
-        load_lanes_as<Real>(rows.bulk + lane) + Real(4.0 / 3.0) * load_lanes_as<Real>(rows.modulus + lane);
+        load_lanes_as<Real>(rows.bulk + lane) + Real(4.0 / 3.0) * load_lanes(rows.modulus + lane);
     p.wave = wave > Real(0.0) ? wave : V{};
     p.c = sqrt_of(p.wave / p.density) + tiny<Real>;
     const auto& strain = rows.step.strain;
@@ -331,15 +326,15 @@ class Kernel {
     store_lanes(at(w.pressure, 1, block, 0, lane), p.p);
     store_lanes(at(w.volume, 1, block, 0, lane), p.volume);
     const V fastest2 =
-        p.c * p.c + breathing(p.k, load_lanes_as<Real>(rows.bulk + lane),
-                              load_lanes_as<Real>(rows.modulus + lane), p.density);
+        p.c * p.c + breathing(p.k, load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
     p.stable = p.k.length / (p.viscosity + sqrt_of(p.viscosity * p.viscosity + fastest2));
   }
 
-  unsigned judge_block(Work& w, int block, const double (*strain)[lane_width], const Real (&rotation)[9][lane_width],
-                       const Piece (&pieces)[pieces_of<Real>]) const {
+  unsigned judge_block(Work& w, int block, const Strain& step, const Piece (&pieces)[pieces_of<Real>]) const {
     alignas(64) double stress[6][lane_width], pressure[lane_width], density[lane_width], volume[lane_width],
-        time_step[lane_width], wide[is_single ? 9 : 1][lane_width];
+        time_step[lane_width];
+    Wide wide;
+    const StepStrain<double>& step_in_doubles = wide(step);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) {
       const Piece& p = pieces[lane / lanes_of<Real>];
       const auto reference = static_cast<Real>(w.reference_density);
@@ -351,11 +346,8 @@ class Kernel {
     });
     ErosionBatch rows;
     rows.stress = stress;
-    rows.strain_increment = strain;
-    if constexpr (is_single)
-      rows.rotation = widen<9>(rotation, wide);
-    else
-      rows.rotation = rotation;
+    rows.strain_increment = step_in_doubles.strain;
+    rows.rotation = step_in_doubles.rotation;
     rows.pressure = pressure;
     rows.density_ratio = density;
     rows.volume_ratio = volume;

@@ -117,10 +117,6 @@ struct Kinematics {
   }
 }
 
-/// A number that makes no difference beside any other, but is none to divide by.
-template <class Real>
-inline constexpr Real tiny = std::is_same_v<Real, float> ? Real(1e-37) : Real(1e-300);
-
 /// Largest eigenvalue of the 3x3 matrix B B^T, by the bound of Wolkowicz & Styan (1980) and two Newton steps
 /// on the characteristic polynomial, which approach it from above.
 template <class Real>

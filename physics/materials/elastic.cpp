@@ -13,9 +13,10 @@ struct Elastic final : PointwiseMaterial<Elastic> {
   static void describe(Schema<Elastic>& s) {
     s.real(&Elastic::G, "shear_modulus", "Pa", positive, "elastic shear modulus");
   }
-  void update_point(const PointInput& in, SymTensor& stress, State&, double& shear_modulus) const {
-    stress = stress + (2.0 * G) * deviator(in.strain_increment);
-    shear_modulus = G;
+  template <class Real>
+  void update_point(const PointInputOf<Real>& in, SymTensorOf<Real>& stress, State&, Real& shear_modulus) const {
+    stress = stress + static_cast<Real>(2.0 * G) * deviator(in.strain_increment);
+    shear_modulus = static_cast<Real>(G);
   }
 };
 
@@ -24,9 +25,10 @@ struct Hydrodynamic final : PointwiseMaterial<Hydrodynamic> {
   using State = NoVariables;
 
   static void describe(Schema<Hydrodynamic>&) {}
-  void update_point(const PointInput&, SymTensor& stress, State&, double& shear_modulus) const {
-    stress = SymTensor{};
-    shear_modulus = 0.0;
+  template <class Real>
+  void update_point(const PointInputOf<Real>&, SymTensorOf<Real>& stress, State&, Real& shear_modulus) const {
+    stress = {};
+    shear_modulus = 0;
   }
 };
 

@@ -55,32 +55,38 @@ struct ElasticPlastic final : PointwiseMaterial<ElasticPlastic> {
             "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)");
   }
 
-  void update_point(const PointInput& in, SymTensor& stress, State& state, double& shear_modulus) const {
+  template <class Real>
+  void update_point(const PointInputOf<Real>& in, SymTensorOf<Real>& stress, State& state, Real& shear_modulus) const {
     const double Ep = plastic_modulus();
+    const auto slope = static_cast<Real>(3.0 * G), hardening = static_cast<Real>(Ep),
+               per_slope = static_cast<Real>(1.0 / (3.0 * G + Ep));
     // (i) elastic predictor
-    const SymTensor trial = stress + (2.0 * G) * deviator(in.strain_increment);
-    const double q = von_mises(trial);
+    const SymTensorOf<Real> trial = stress + static_cast<Real>(2.0 * G) * deviator(in.strain_increment);
+    const Real q = von_mises(trial);
     // (ii) admissibility: a point within the yield surface keeps d = 0
-    const double old_strain = state.effective_plastic_strain;
-    const double tolerance = 1e-14 * Y0, per_slope = 1.0 / (3.0 * G + Ep);
-    const bool yields = q > flow_stress(old_strain, Ep);
+    const auto old_strain = static_cast<Real>(state.effective_plastic_strain);
+    const auto yield_stress = static_cast<Real>(Y0), tolerance = static_cast<Real>(round_off<Real> * Y0);
+    const auto flow_stress = [&](Real plastic_strain) { return yield_stress + hardening * plastic_strain; };
+    const bool yields = q > flow_stress(old_strain);
     // (iii) plastic increment d with q - 3 G d = Y(ep + d). Newton's method solves a linear flow stress in one
     // iteration; the second is for laws with curvature and removes the round-off of the first.
-    double d = 0.0;
+    Real d = 0;
     for (int i = 0; i < 2; ++i) {
-      const double residual = q - 3.0 * G * d - flow_stress(old_strain + d, Ep);
+      const Real residual = q - slope * d - flow_stress(old_strain + d);
       const bool moves = yields & (std::fabs(residual) > tolerance);
-      d += select(moves, residual * per_slope, 0.0);
+      d += select(moves, residual * per_slope, Real(0));
     }
     // (iv) radial return
-    stress = (1.0 - 3.0 * G * d / (q + 1e-300)) * trial;
-    state.effective_plastic_strain = old_strain + d;
-    shear_modulus = G;
+    stress = (1 - slope * d / (q + tiny<Real>)) * trial;
+    state.effective_plastic_strain += d;
+    shear_modulus = static_cast<Real>(G);
   }
 
  private:
   static bool given(double value) { return value >= 0.0; }
-  double flow_stress(double plastic_strain, double Ep) const { return Y0 + Ep * plastic_strain; }
+  /// Of stresses, as a share.
+  template <class Real>
+  static constexpr double round_off = std::is_same_v<Real, float> ? 1e-6 : 1e-14;
   double young() const {
     const double from_bulk = 9.0 * bulk_modulus * G / (3.0 * bulk_modulus + G);
     return select(given(youngs_modulus), youngs_modulus, from_bulk);

@@ -59,7 +59,13 @@ struct JohnsonCook final : Material {
   }
   double cost() const override { return 5.0; }
 
-  void update(const MaterialBatch& b) const override {
+  void update(const MaterialBatch& b) const override { update_rows(b); }
+  void update_single(const SingleMaterialBatch& b) const override { update_rows(b); }
+
+ private:
+  /// In double precision, whatever the rows hold.
+  template <class Real>
+  void update_rows(const MaterialRows<Real>& b) const {
     Block k;
     detail::LaneVariables<State> state;
     state.read(b.state);
@@ -76,12 +82,11 @@ struct JohnsonCook final : Material {
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) flow(k, state.values, l);
     for (int i = 0; i < 6; ++i)
-      for (int l = 0; l < lane_width; ++l) b.deviator[i][l] = k.stress[i][l];
-    for (int l = 0; l < lane_width; ++l) b.shear_modulus[l] = G;
+      for (int l = 0; l < lane_width; ++l) b.deviator[i][l] = static_cast<Real>(k.stress[i][l]);
+    for (int l = 0; l < lane_width; ++l) b.shear_modulus[l] = static_cast<Real>(G);
     state.write(b.state);
   }
 
- private:
   enum : int { strain_row, temperature_row, rate_row, n_rows };  // as in State
   using StateRows = double[n_rows][lane_width];
   static_assert(n_doubles<State> == n_rows);

@@ -44,6 +44,19 @@ inline void set_tensor(double (&rows)[6][lane_width], int lane, SymTensor t) {
   rows[5][lane] = t.zx;
 }
 
+template <class Struct, std::size_t... I>
+[[gnu::always_inline]] inline Struct state_at([[maybe_unused]] const double* rows, [[maybe_unused]] int lane,
+                                              std::index_sequence<I...>) {
+  Struct s;
+  ((reinterpret_cast<double*>(&s)[I] = rows[I * lane_width + lane]), ...);
+  return s;
+}
+template <class Struct, std::size_t... I>
+[[gnu::always_inline]] inline void set_state([[maybe_unused]] double* rows, [[maybe_unused]] int lane,
+                                             [[maybe_unused]] const Struct& s, std::index_sequence<I...>) {
+  ((rows[I * lane_width + lane] = reinterpret_cast<const double*>(&s)[I]), ...);
+}
+
 /// A law's variables of one block, copied to the stack so that nothing aliases while the lanes are computed.
 template <class Struct>
 struct LaneVariables {

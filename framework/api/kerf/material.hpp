@@ -1,6 +1,9 @@
 // The contract of materials: laws of the stress deviator, written for one point, run over blocks of points.
 #pragma once
 
+#include <cstring>
+#include <type_traits>
+
 #include "kerf/law.hpp"
 #include "kerf/math.hpp"
 #include "kerf/plugin.hpp"
@@ -8,28 +11,51 @@
 namespace kerf {
 
 /// What a material may know of a point in one step.
-struct PointInput {
-  SymTensor strain_increment;  // midpoint, tensor components [-]
-  double dt = 0.0;  // [s]
-  double density = 0.0;  // at the end of the step [kg/m3]
-  double reference_density = 0;  // [kg/m3]
-  double specific_energy = 0.0;  // internal energy per mass at the start of the step [J/kg]
-  double pressure = 0.0;  // at the start of the step, positive in compression [Pa]
+template <class Real>
+struct PointInputOf {
+  SymTensorOf<Real> strain_increment;  // midpoint, tensor components [-]
+  Real dt = 0;  // [s]
+  Real density = 0;  // at the end of the step [kg/m3]
+  Real reference_density = 0;  // [kg/m3]
+  Real specific_energy = 0;  // internal energy per mass at the start of the step [J/kg]
+  Real pressure = 0;  // at the start of the step, positive in compression [Pa]
 };
+using PointInput = PointInputOf<double>;
 
-/// One block of `lane_width` points. Rows have `lane_width` entries; none overlaps another.
-struct MaterialBatch {
+/// One block of `lane_width` points, whose element computes with numbers of type `Real`. Rows have `lane_width`
+/// entries and begin on boundaries of 32 bytes; none overlaps another. State is kept in double precision always.
+template <class Real>
+struct MaterialRows {
   double dt = 0.0, reference_density = 0.0;
-  const double (*strain_increment)[lane_width] = nullptr;  // [6][lane]
-  const double *density = nullptr, *specific_energy = nullptr, *pressure = nullptr;
-  double (*deviator)[lane_width] = nullptr;  // [6][lane] in: rotated to the end of the step; out: updated [Pa]
+  const Real (*strain_increment)[lane_width] = nullptr;  // [6][lane]
+  const Real *density = nullptr, *specific_energy = nullptr, *pressure = nullptr;
+  Real (*deviator)[lane_width] = nullptr;  // [6][lane] in: rotated to the end of the step; out: updated [Pa]
   double* state = nullptr;  // [variable][lane]
-  double* shear_modulus = nullptr;  // [lane] out: tangent elastic modulus, for the wave speed [Pa]
+  Real* shear_modulus = nullptr;  // [lane] out: tangent elastic modulus, for the wave speed [Pa]
 };
+using MaterialBatch = MaterialRows<double>;
+using SingleMaterialBatch = MaterialRows<float>;
 
 class Material : public Law {
  public:
   virtual void update(const MaterialBatch& batch) const = 0;
+  /// The same for elements of a model with `precision: single`. By default the rows are converted, and update() called.
+  [[gnu::noinline]] virtual void update_single(const SingleMaterialBatch& b) const {
+    alignas(64) double rows[16][lane_width];  // strain, deviator, density, energy, pressure, modulus
+    double(*const stress)[lane_width] = rows + 6;
+    for (int l = 0; l < lane_width; ++l) {
+      for (int k = 0; k < 6; ++k) rows[k][l] = b.strain_increment[k][l];
+      for (int k = 0; k < 6; ++k) stress[k][l] = b.deviator[k][l];
+      rows[12][l] = b.density[l];
+      rows[13][l] = b.specific_energy[l];
+      rows[14][l] = b.pressure[l];
+    }
+    update({b.dt, b.reference_density, rows, rows[12], rows[13], rows[14], stress, b.state, rows[15]});
+    for (int l = 0; l < lane_width; ++l) {
+      for (int k = 0; k < 6; ++k) b.deviator[k][l] = static_cast<float>(stress[k][l]);
+      b.shear_modulus[l] = static_cast<float>(rows[15][l]);
+    }
+  }
 };
 
 /// A material whose law is `void update_point(const PointInput&, SymTensor& deviator, State&, double& shear_modulus)
@@ -37,51 +63,68 @@ class Material : public Law {
 ///
 /// The law must be free of side effects. Without calls that cannot be inlined, and with choices written so that
 /// both sides may be computed, the loop over the points vectorises.
+///
+/// A law that is a template, `template <class Real> void update_point(const PointInputOf<Real>&, SymTensorOf<Real>&,
+/// State&, Real&) const`, computes with floats where the elements do. All others compute in double precision.
 template <class LawType>
 class PointwiseMaterial : public Material {
  public:
-  void update(const MaterialBatch& b) const final {
+  void update(const MaterialBatch& b) const final { update_rows<double>(b); }
+  void update_single(const SingleMaterialBatch& b) const final {
     using State = typename LawType::State;
-    // On boundaries of cache lines, so that no compiler peels lanes off the loop: those would be computed otherwise.
-    alignas(64) double strain[6][lane_width], stress[6][lane_width], modulus[lane_width];
-    alignas(64) double density[lane_width], energy[lane_width], pressure[lane_width];
-    detail::LaneVariables<State> state;
-    for (int k = 0; k < 6; ++k)
-      for (int l = 0; l < lane_width; ++l) {
-        strain[k][l] = b.strain_increment[k][l];
-        stress[k][l] = b.deviator[k][l];
-      }
-    for (int l = 0; l < lane_width; ++l) {
-      density[l] = b.density[l];
-      energy[l] = b.specific_energy[l];
-      pressure[l] = b.pressure[l];
-    }
-    state.read(b.state);
-    const double dt = b.dt, reference_density = b.reference_density;
+    constexpr bool takes_floats = requires(const LawType& law, SymTensorOf<float>& s, State& state, float& g) {
+      law.update_point(PointInputOf<float>{}, s, state, g);
+    };
+    update_rows<std::conditional_t<takes_floats, float, double>>(b);
+  }
+
+ private:
+  /// Computes with numbers of type `Number`, whatever the rows hold.
+  template <class Number, class Real>
+  [[gnu::always_inline]] void update_rows(const MaterialRows<Real>& b) const {
+    using State = typename LawType::State;
     const auto& law = static_cast<const LawType&>(*this);
+    const auto dt = static_cast<Number>(b.dt), reference_density = static_cast<Number>(b.reference_density);
+    const auto number = [](Real v) { return static_cast<Number>(v); };
+    const auto real = [](Number v) { return static_cast<Real>(v); };
+    const Real(*const strain)[lane_width] = b.strain_increment;
+    const Real(*const old_stress)[lane_width] = b.deviator;
+    const Real *const density = b.density, *const energy = b.specific_energy, *const pressure = b.pressure;
+    const double* const old_state = b.state;
+    // Results go to the stack first: stored where the law's constants might lie, they would make every lane compute
+    // anew what follows from those.
+    constexpr int n_state = n_doubles<State>;
+    alignas(64) Real stress[6][lane_width], modulus[lane_width];
+    alignas(64) double state[n_state > 0 ? n_state : 1][lane_width];
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
-      PointInput in;
-      in.strain_increment = detail::tensor_at(strain, l);
+      PointInputOf<Number> in;
+      in.strain_increment = {number(strain[0][l]), number(strain[1][l]), number(strain[2][l]),
+                             number(strain[3][l]), number(strain[4][l]), number(strain[5][l])};
       in.dt = dt;
-      in.density = density[l];
+      in.density = number(density[l]);
       in.reference_density = reference_density;
-      in.specific_energy = energy[l];
-      in.pressure = pressure[l];
-      SymTensor s = detail::tensor_at(stress, l);
-      State point = state.at(l);
-      double g = 0.0;
+      in.specific_energy = number(energy[l]);
+      in.pressure = number(pressure[l]);
+      SymTensorOf<Number> s = {number(old_stress[0][l]), number(old_stress[1][l]), number(old_stress[2][l]),
+                               number(old_stress[3][l]), number(old_stress[4][l]), number(old_stress[5][l])};
+      State point = detail::state_at<State>(old_state, l, detail::indices<State>{});
+      Number g = 0;
       law.update_point(in, s, point, g);
-      detail::set_tensor(stress, l, s);
-      state.set(l, point);
-      modulus[l] = g;
+      stress[0][l] = real(s.xx);
+      stress[1][l] = real(s.yy);
+      stress[2][l] = real(s.zz);
+      stress[3][l] = real(s.xy);
+      stress[4][l] = real(s.yz);
+      stress[5][l] = real(s.zx);
+      detail::set_state(state[0], l, point, detail::indices<State>{});
+      modulus[l] = real(g);
     };
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) one_point(l);
-    for (int k = 0; k < 6; ++k)
-      for (int l = 0; l < lane_width; ++l) b.deviator[k][l] = stress[k][l];
-    for (int l = 0; l < lane_width; ++l) b.shear_modulus[l] = modulus[l];
-    state.write(b.state);
+    std::memcpy(b.deviator, stress, sizeof stress);
+    std::memcpy(b.shear_modulus, modulus, sizeof modulus);
+    if constexpr (n_state > 0) std::memcpy(b.state, state, sizeof state);
   }
 };
 

@@ -2,12 +2,14 @@
 //
 // Everything here is header-only, branch-light and free of aliasing, so that a loop over points that
 // calls it vectorises. Tensor components are ordered xx, yy, zz, xy, yz, zx; shear components are
-// tensor components (not engineering strains).
+// tensor components (not engineering strains). What a material may need exists for float as well, for
+// laws that are written for both; see material.hpp.
 #pragma once
 
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 // glibc ships vector versions of these functions but declares them only under -ffast-math, which Kerf
 // does not use; these declarations make them available to loops marked simd.
@@ -49,35 +51,46 @@ constexpr double select(bool c, double a, double b) {
   const auto mask = -static_cast<std::int64_t>(c);
   return std::bit_cast<double>((std::bit_cast<std::int64_t>(a) & mask) | (std::bit_cast<std::int64_t>(b) & ~mask));
 }
+constexpr float select(bool c, float a, float b) {
+  const auto mask = -static_cast<std::int32_t>(c);
+  return std::bit_cast<float>((std::bit_cast<std::int32_t>(a) & mask) | (std::bit_cast<std::int32_t>(b) & ~mask));
+}
 constexpr double max_of(double a, double b) { return select(a > b, a, b); }
 constexpr double min_of(double a, double b) { return select(a < b, a, b); }
+constexpr float max_of(float a, float b) { return select(a > b, a, b); }
+constexpr float min_of(float a, float b) { return select(a < b, a, b); }
 constexpr double clamp_to(double value, double low, double high) { return min_of(max_of(value, low), high); }
 
-struct SymTensor {
-  double xx = 0.0, yy = 0.0, zz = 0.0, xy = 0.0, yz = 0.0, zx = 0.0;
+/// A number that makes no difference beside any other of its type, but is none to divide by.
+template <class Real>
+inline constexpr Real tiny = std::is_same_v<Real, float> ? Real(1e-37) : Real(1e-300);
 
-  constexpr double trace() const { return xx + yy + zz; }
-  constexpr SymTensor operator+(SymTensor b) const {
+template <class Real>
+struct SymTensorOf {
+  Real xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
+
+  constexpr Real trace() const { return xx + yy + zz; }
+  constexpr SymTensorOf operator+(SymTensorOf b) const {
     return {xx + b.xx, yy + b.yy, zz + b.zz, xy + b.xy, yz + b.yz, zx + b.zx};
   }
-  constexpr SymTensor operator-(SymTensor b) const {
+  constexpr SymTensorOf operator-(SymTensorOf b) const {
     return {xx - b.xx, yy - b.yy, zz - b.zz, xy - b.xy, yz - b.yz, zx - b.zx};
   }
-  constexpr SymTensor operator*(double s) const { return {xx * s, yy * s, zz * s, xy * s, yz * s, zx * s}; }
-  friend constexpr SymTensor operator*(double s, SymTensor a) { return a * s; }
+  constexpr SymTensorOf operator*(Real s) const { return {xx * s, yy * s, zz * s, xy * s, yz * s, zx * s}; }
+  friend constexpr SymTensorOf operator*(Real s, SymTensorOf a) { return a * s; }
+  friend constexpr Real double_dot(SymTensorOf a, SymTensorOf b) {
+    return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + Real(2) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
+  }
+  friend constexpr SymTensorOf deviator(SymTensorOf a) {
+    const Real mean = a.trace() * Real(1.0 / 3.0);
+    return {a.xx - mean, a.yy - mean, a.zz - mean, a.xy, a.yz, a.zx};
+  }
+  /// von Mises equivalent of a deviatoric stress, sqrt(3/2 s:s).
+  friend Real von_mises(SymTensorOf s) { return std::sqrt(Real(1.5) * double_dot(s, s)); }
+  /// Equivalent of a deviatoric strain, sqrt(2/3 e:e).
+  friend Real equivalent_strain(SymTensorOf e) { return std::sqrt(Real(2.0 / 3.0) * double_dot(e, e)); }
 };
-
-constexpr double double_dot(SymTensor a, SymTensor b) {
-  return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + 2.0 * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
-}
-constexpr SymTensor deviator(SymTensor a) {
-  const double mean = a.trace() * (1.0 / 3.0);
-  return {a.xx - mean, a.yy - mean, a.zz - mean, a.xy, a.yz, a.zx};
-}
-/// von Mises equivalent of a deviatoric stress, sqrt(3/2 s:s).
-inline double von_mises(SymTensor s) { return std::sqrt(1.5 * double_dot(s, s)); }
-/// Equivalent of a deviatoric strain, sqrt(2/3 e:e).
-inline double equivalent_strain(SymTensor e) { return std::sqrt((2.0 / 3.0) * double_dot(e, e)); }
+using SymTensor = SymTensorOf<double>;
 
 struct Rotation {
   double xx = 1.0, xy = 0.0, xz = 0.0, yx = 0.0, yy = 1.0, yz = 0.0, zx = 0.0, zy = 0.0, zz = 1.0;
