@@ -197,7 +197,8 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   if (file.text("input_digest") != input_digest)
     throw InputError({fmt::format(
         "{}: error: this restart file belongs to another model; resume with the input that "
-        "wrote it (precision, materials, parts, sets, boundaries, contacts, checks, and time but for its end, must be the same)",
+        "wrote it (precision, materials, parts, sets, boundaries, contacts, checks, and time but for its end, must be "
+        "the same)",
         path)});
   Simulation::Progress p;
   const auto clock = file.reals("clock");

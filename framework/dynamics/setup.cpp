@@ -148,6 +148,15 @@ void refuse_unusable(const Model& model, const MeshFacts& facts) {
   if (!errors.empty()) throw InputError(errors);
 }
 
+/// Throws where squares of areas would leave the range of floats. Collective.
+void refuse_beyond_floats(const Model& model, double longest_edge) {
+  if (model.input->precision != "single" || (longest_edge > 1e-7 && longest_edge < 1e7)) return;
+  throw InputError({fmt::format(
+      "{}: error: `precision: single` computes with edges between 1e-7 m and 1e7 m, and the longest edge of the "
+      "mesh has {:.3g} m; remove it, or mind the units of the mesh",
+      model.input->parts.front()->mesh->origin, longest_edge)});
+}
+
 /// Lumped nodal masses: an eighth of each element, summed in whole quanta over all ranks.
 void lump_masses(Model& model) {
   double largest = 0.0;
@@ -233,6 +242,7 @@ void generate_mesh(Model& model) {
   }
   refuse_unusable(model, facts);
   const double longest = greatest(model.comm, facts.longest_edge);
+  refuse_beyond_floats(model, longest);
   model.dummy_edge = 16.0 * longest;
   double stiffest = 0.0;
   for (const PartModel& part : model.parts)

@@ -99,6 +99,7 @@ Summary Reporter::summarise(const std::string& exit) {
   Summary s;
   s.kerf_version = KERF_VERSION;
   s.input = settings_.input_name;
+  s.precision = model.input->precision;
   s.ranks = model.n_ranks();
   s.cycles = simulation_.clock().cycle();
   s.end_time = simulation_.clock().time();

@@ -94,6 +94,11 @@ class Validator {
         diagnostics_.error(origins_.find("parts." + part->name + ".material"),
                            fmt::format("there is no material \"{}\"{}", part->material,
                                        suggestion(part->material, materials, "the materials")));
+    for (const auto& part : model_.parts)
+      if (model_.precision == "single" && part->element && !part->element->computes_in_single())
+        diagnostics_.error(origins_.find("precision"),
+                           fmt::format("the element {} of part `{}` computes in double precision only; expected double",
+                                       part->element->type, part->name));
     for (const std::string& name : sets_)
       if (contains(parts_, name))
         diagnostics_.error(origins_.find("sets." + name),

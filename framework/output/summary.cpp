@@ -57,6 +57,7 @@ std::string summary_text(const Summary& s) {
   Json json;
   json["kerf_version"] = s.kerf_version;
   json["input"] = s.input;
+  json["precision"] = s.precision;
   json["ranks"] = s.ranks;
   json["cycles"] = s.cycles;
   json["end_time"] = s.end_time;

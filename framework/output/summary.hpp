@@ -47,6 +47,7 @@ struct Summary {
   };
 
   std::string kerf_version, input;
+  std::string precision;  // of what elements compute with: "double" or "single"
   int ranks = 0;
   std::int64_t cycles = 0;
   double end_time = 0.0, wall_seconds = 0.0;  // [s]

@@ -115,6 +115,8 @@ class Kernel {
     [[gnu::always_inline]] const StepStrain<double>& operator()(const StepStrain<float>& step) {
       for (int i = 0; i < 6; ++i) widen(step.strain[i], copy.strain[i]);
       for (int i = 0; i < 9; ++i) widen(step.rotation[i], copy.rotation[i]);
+      for (int i = 0; i < 9; i += 4)
+        for (int l = 0; l < lane_width; ++l) copy.rotation[i][l] += 1.0;
       return copy;
     }
   };
@@ -476,7 +478,8 @@ class Kernel {
       for (int i = 0; i < 3; ++i)
         old[i] = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
       for (int i = 0; i < 3; ++i) {
-        const V turned = r[3 * i] * old[0] + r[3 * i + 1] * old[1] + r[3 * i + 2] * old[2];
+        V turned = r[3 * i] * old[0] + r[3 * i + 1] * old[1] + r[3 * i + 2] * old[2];
+        if constexpr (is_single) turned += old[i];
         resist[i][a] = turned + growth * rate[i][a];
         work += (turned + resist[i][a]) * rate[i][a];
         store_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane), resist[i][a]);

@@ -158,12 +158,15 @@ template <class Real>
   }
 }
 
-/// Strain increments and rotations of a step, row by row.
+/// Strain increments and rotations of a step, row by row. In single precision one is subtracted from the rotation's
+/// diagonal: of the small angle of a step it would round off what turns the stress.
 template <class Real>
 struct StepStrain {
   alignas(64) Real strain[6][lane_width];
   alignas(64) Real rotation[9][lane_width];
 };
+template <class Real>
+inline constexpr Real diagonal = std::is_same_v<Real, float> ? Real(0.0) : Real(1.0);
 
 /// Strain increment and rotation of the step, both zero/unity to round-off under rigid motion: the gradient
 /// with respect to the end of the step, G, is carried to the mid-step configuration, G (I - G/2)^-1, and its
@@ -197,15 +200,15 @@ template <class Real>
   // With w the half axial vector of W: R = I + 2/(1 + w.w) (w x + w x w x)
   const V wx = Real(0.25) * (h[2][1] - h[1][2]), wy = Real(0.25) * (h[0][2] - h[2][0]), wz = Real(0.25) * (h[1][0] - h[0][1]);
   const V f = Real(2.0) / (one + wx * wx + wy * wy + wz * wz);
-  store_lanes(out.rotation[0] + lane, one - f * (wy * wy + wz * wz));
+  store_lanes(out.rotation[0] + lane, diagonal<Real> - f * (wy * wy + wz * wz));
   store_lanes(out.rotation[1] + lane, f * (wx * wy - wz));
   store_lanes(out.rotation[2] + lane, f * (wx * wz + wy));
   store_lanes(out.rotation[3] + lane, f * (wx * wy + wz));
-  store_lanes(out.rotation[4] + lane, one - f * (wx * wx + wz * wz));
+  store_lanes(out.rotation[4] + lane, diagonal<Real> - f * (wx * wx + wz * wz));
   store_lanes(out.rotation[5] + lane, f * (wy * wz - wx));
   store_lanes(out.rotation[6] + lane, f * (wx * wz - wy));
   store_lanes(out.rotation[7] + lane, f * (wy * wz + wx));
-  store_lanes(out.rotation[8] + lane, one - f * (wx * wx + wy * wy));
+  store_lanes(out.rotation[8] + lane, diagonal<Real> - f * (wx * wx + wy * wy));
 }
 
 template <class Real>
@@ -218,12 +221,15 @@ template <class Real>
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) m[i][j] = q[3 * i] * a[0][j] + q[3 * i + 1] * a[1][j] + q[3 * i + 2] * a[2][j];
   const auto entry = [&](int i, int j) { return m[i][0] * q[3 * j] + m[i][1] * q[3 * j + 1] + m[i][2] * q[3 * j + 2]; };
-  s[0] = entry(0, 0);
-  s[1] = entry(1, 1);
-  s[2] = entry(2, 2);
-  s[3] = entry(0, 1);
-  s[4] = entry(1, 2);
-  s[5] = entry(2, 0);
+  const V turned[6] = {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)};
+  if constexpr (std::is_same_v<Real, double>) {
+    for (int i = 0; i < 6; ++i) s[i] = turned[i];
+  } else {
+    // With R = I + Q: s + Q s + (Q s)^T + Q s Q^T.
+    const V both[6] = {m[0][0] + m[0][0], m[1][1] + m[1][1], m[2][2] + m[2][2],
+                       m[0][1] + m[1][0], m[1][2] + m[2][1], m[2][0] + m[0][2]};
+    for (int i = 0; i < 6; ++i) s[i] += both[i] + turned[i];
+  }
 }
 
 }  // namespace kerf::hex8

@@ -80,21 +80,23 @@ struct PartLaws {
   double compression = 1.0;  // mass of the elements over density times volume
 };
 
-/// The elements of one part and their nodes. `x` and `v` are the test's to set; `step` moves the nodes by v dt and
-/// integrates.
-class OnePart {
+/// The elements of one part and their nodes, which compute with numbers of type `Real`. `x` and `v` are the test's to
+/// set; `step` moves the nodes by v dt and integrates.
+template <class Real>
+class PartOf {
  public:
   std::vector<Vec3> x, v;  // [m], [m/s]
-  ElementWork work;  // of the last call
+  ElementArrays<Real> work;  // of the last call
 
-  explicit OnePart(const HexMesh& mesh, const PartLaws& laws = {})
+  explicit PartOf(const HexMesh& mesh, const PartLaws& laws = {})
       : x(mesh.x),
         v(mesh.x.size()),
         elements_(mesh.elements),
         element_(make_law<Element>("element", "hex8", laws.element)),
         strength_(make_law<Material>("material", laws.strength, laws.strength_parameters)),
         eos_(make_law<Eos>("eos", laws.eos, laws.eos_parameters)),
-        store_(0, *element_, *strength_, *eos_, {}),
+        store_(0, *element_, *strength_, *eos_, {},
+               is_single ? Precision::single_precision : Precision::double_precision),
         density_(laws.density) {
     std::vector<double> record(static_cast<std::size_t>(store_.record_size()));
     store_.make_room(static_cast<int>(elements_.size()));
@@ -115,20 +117,23 @@ class OnePart {
 
   void initialise() {
     prepare(0.0);
-    element_->initialise(work);
+    if constexpr (is_single)
+      element_->initialise_single(work);
+    else
+      element_->initialise(work);
   }
   /// Moves the nodes by v dt, then computes the forces from nothing.
   void step(double dt) {
     for (std::size_t n = 0; n < x.size(); ++n) x[n] = x[n] + v[n] * dt;
     prepare(dt);
-    element_->add_internal_forces(work);
+    integrate();
   }
   /// Takes the nodes to `target` in one step at constant velocity.
   void move_to(const std::vector<Vec3>& target, double dt) {
     for (std::size_t n = 0; n < x.size(); ++n) v[n] = (target[n] - x[n]) * (1.0 / dt);
     x = target;
     prepare(dt);
-    element_->add_internal_forces(work);
+    integrate();
   }
 
   int n_elements() const { return static_cast<int>(elements_.size()); }
@@ -160,7 +165,7 @@ class OnePart {
   /// Least stable step of the last call [s].
   double stable_step() const {
     double least = work.least_step[0];
-    for (const double s : work.least_step) least = min_of(s, least);
+    for (const Real s : work.least_step) least = min_of(static_cast<double>(s), least);
     return least;
   }
   double hourglass_energy() const { return static_cast<double>(work.hourglass_energy) / work.energy_per_quantum; }
@@ -170,6 +175,14 @@ class OnePart {
   static constexpr double quantum = 0x1p-33;
 
  private:
+  static constexpr bool is_single = std::is_same_v<Real, float>;
+
+  void integrate() {
+    if constexpr (is_single)
+      element_->add_internal_forces_single(work);
+    else
+      element_->add_internal_forces(work);
+  }
   void prepare(double dt) {
     for (std::size_t n = 0; n < x.size(); ++n)
       for (int d = 0; d < 3; ++d) {
@@ -177,7 +190,7 @@ class OnePart {
         velocity_[4 * n + d] = v[n][d];
       }
     std::fill(force_.begin(), force_.end(), 0);
-    work = ElementWork{};
+    work = {};
     work.position = position_.data();
     work.velocity = velocity_.data();
     work.force = force_.data();
@@ -188,21 +201,22 @@ class OnePart {
     work.reference_density = density_;
     work.n_blocks = store_.n_blocks();
     work.nodes = store_.nodes();
-    const auto data = [&](PartStore::FieldIndex f) { return store_.field(f).data.data(); };
-    work.mass = data(PartStore::mass);
-    work.volume = data(PartStore::volume);
-    work.deviator = data(PartStore::deviator);
-    work.pressure = data(PartStore::pressure);
-    work.internal_energy = data(PartStore::internal_energy);
-    work.viscous_energy = data(PartStore::viscous_energy);
-    work.element_state = data(PartStore::element_state);
-    work.material_state = data(PartStore::material_state);
-    work.eos_state = data(PartStore::eos_state);
+    const auto reals = [&](PartStore::FieldIndex f) { return store_.field(f).template entries<Real>(); };
+    const auto doubles = [&](PartStore::FieldIndex f) { return store_.field(f).template entries<double>(); };
+    work.mass = doubles(PartStore::mass);
+    work.volume = reals(PartStore::volume);
+    work.deviator = reals(PartStore::deviator);
+    work.pressure = reals(PartStore::pressure);
+    work.internal_energy = doubles(PartStore::internal_energy);
+    work.viscous_energy = doubles(PartStore::viscous_energy);
+    work.element_state = reals(PartStore::element_state);
+    work.material_state = doubles(PartStore::material_state);
+    work.eos_state = doubles(PartStore::eos_state);
     work.n_element_state = store_.field(PartStore::element_state).n_components;
     work.n_material_state = store_.field(PartStore::material_state).n_components;
     work.n_eos_state = store_.field(PartStore::eos_state).n_components;
     work.energy_per_quantum = 0x1p60;
-    std::fill(work.least_step, work.least_step + lane_width, std::numeric_limits<double>::max());
+    std::fill(work.least_step, work.least_step + lane_width, std::numeric_limits<Real>::max());
     std::fill(work.least_block, work.least_block + lane_width, 0);
   }
 
@@ -215,5 +229,7 @@ class OnePart {
   AlignedVector<double> position_, velocity_;
   AlignedVector<std::int64_t> force_;
 };
+using OnePart = PartOf<double>;
+using SinglePart = PartOf<float>;
 
 }  // namespace kerf::test

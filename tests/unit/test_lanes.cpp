@@ -123,4 +123,74 @@ TEST(Lanes, PiecesMakeUpABlock) {
   EXPECT_EQ(lanes_seen, lane_width);
 }
 
+TEST(SingleLanes, PiecesMakeUpABlock) {
+  int lanes_seen = 0;
+  each_piece<float>([&](int lane) {
+    EXPECT_EQ(lane, lanes_seen);
+    lanes_seen += single_lanes;
+  });
+  EXPECT_EQ(lanes_seen, lane_width);
+  EXPECT_EQ(n_wide<float> * register_lanes, single_lanes);
+}
+
+TEST(SingleLanes, MaskRootMagnitudeAndExtremesAreThoseOfEachLane) {
+  for (unsigned bits = 0; bits <= all_lanes_of<float>; ++bits) {
+    alignas(64) float v[single_lanes];
+    for (int l = 0; l < single_lanes; ++l) v[l] = (bits >> l & 1u) != 0 ? 1.7f * (l + 1) : -1.0f;
+    const SingleLanes all = load_lanes(v);
+    EXPECT_EQ(mask_of(all > 0.0f), bits);
+    for (int l = 0; l < single_lanes; ++l) {
+      EXPECT_EQ(abs_of(all)[l], std::fabs(v[l]));
+      EXPECT_EQ(sqrt_of(abs_of(all))[l], std::sqrt(std::fabs(v[l])));
+      EXPECT_EQ(max_of(all, lanes(0.5f))[l], std::max(v[l], 0.5f));
+      EXPECT_EQ(min_of(all, lanes(0.5f))[l], std::min(v[l], 0.5f));
+    }
+  }
+  EXPECT_TRUE(std::isnan(abs_of(lanes(std::numeric_limits<float>::quiet_NaN()))[0]));
+}
+
+TEST(SingleLanes, GoFromDoublesAndBack) {
+  alignas(64) double in[lane_width], out[lane_width], sum[lane_width];
+  for (int l = 0; l < lane_width; ++l) {
+    in[l] = (l + 1) / 3.0;
+    sum[l] = 1e12 + l;
+  }
+  each_piece<float>([&](int lane) {
+    const SingleLanes v = load_lanes_as<float>(in + lane);
+    store_lanes(out + lane, v);
+    add_lanes(sum + lane, v);
+    Lanes wide[n_wide<float>];
+    wide[0] = widened<0>(v);
+    if constexpr (n_wide<float> == 2) wide[1] = widened<1>(v);
+    for (int l = 0; l < single_lanes; ++l) {
+      EXPECT_EQ(v[l], static_cast<float>(in[lane + l]));
+      EXPECT_EQ(wide[l / register_lanes][l % register_lanes], static_cast<double>(v[l]));
+      EXPECT_EQ(narrowed(wide)[l], v[l]);
+    }
+  });
+  for (int l = 0; l < lane_width; ++l) {
+    EXPECT_EQ(out[l], static_cast<double>(static_cast<float>(in[l])));
+    EXPECT_EQ(sum[l], 1e12 + l + static_cast<double>(static_cast<float>(in[l])));
+  }
+  each_piece([&](int lane) {
+    const Lanes v = load_lanes_as<double>(in + lane);
+    for (int l = 0; l < register_lanes; ++l) {
+      EXPECT_EQ(v[l], in[lane + l]);
+      EXPECT_EQ(widened<0>(v)[l], v[l]);
+    }
+  });
+}
+
+TEST(SingleLanes, DenormalsCountAsZeroWhileTheyAreFlushed) {
+#ifdef __SSE2__
+  volatile float small = 1e-39f;
+  EXPECT_GT(small * 1.0f, 0.0f);
+  {
+    const FlushDenormals while_it_lives;
+    EXPECT_EQ(small * 1.0f, 0.0f);
+  }
+  EXPECT_GT(small * 1.0f, 0.0f);
+#endif
+}
+
 }  // namespace

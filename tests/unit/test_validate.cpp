@@ -50,6 +50,13 @@ struct Brick final : Element {
   void initialise(ElementWork&) const override {}
 };
 
+struct SmallBrick final : Element {
+  static void describe(Schema<SmallBrick>&) {}
+  void add_internal_forces(ElementWork&) const override {}
+  void initialise(ElementWork&) const override {}
+  bool computes_in_single() const override { return true; }
+};
+
 struct OneRank final : Partitioner {
   static void describe(Schema<OneRank>&) {}
   std::vector<int> partition(const PartitionProblem&) override { return {}; }
@@ -77,6 +84,7 @@ class Validate : public testing::Test {
     registry.add_type<Linear>("eos", "linear", "", "");
     registry.add_type<Limit>("erosion", "limit", "", "");
     registry.add_type<Brick>("element", "hex8", "", "");
+    registry.add_type<SmallBrick>("element", "small_brick", "", "");
     registry.add_type<OneRank>("partitioner", "zoltan_rcb", "", "");
     registry.add_type<Speed>("measure", "speed", "", "");
     registry.add_type<Clamp>("boundary", "clamp", "", "");
@@ -125,6 +133,13 @@ TEST_F(Validate, FindsUnknownNames) {
   EXPECT_EQ(errors({"output.node_fields=speed"}),
             Lines{"--set output.node_fields=speed: error: there is no field \"speed\"; the fields are velocity, "
                   "displacement and mass"});
+}
+
+TEST_F(Validate, FindsElementsThatDoNotComputeInSinglePrecision) {
+  EXPECT_EQ(errors({"precision=double"}), Lines{});
+  EXPECT_EQ(errors({"precision=single", "parts.rod.element={type: small_brick}"}),
+            Lines{"--set precision=single: error: the element hex8 of part `plate` computes in double precision only; "
+                  "expected double"});
 }
 
 TEST_F(Validate, FindsAPartAndASetOfOneName) {

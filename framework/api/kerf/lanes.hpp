@@ -183,6 +183,9 @@ typedef double Pair __attribute__((vector_size(16), may_alias));
 [[gnu::always_inline]] inline const Quad& row_of(const double* nodal, std::int32_t node) {
   return *reinterpret_cast<const Quad*>(nodal + 4 * static_cast<std::int64_t>(node));
 }
+[[gnu::always_inline]] inline Quad& row_at(double* rows, std::int32_t number) {
+  return *reinterpret_cast<Quad*>(rows + 4 * static_cast<std::int64_t>(number));
+}
 [[gnu::always_inline]] inline const Pair& half_of(const double* nodal, std::int32_t node, int half) {
   return *reinterpret_cast<const Pair*>(nodal + 4 * static_cast<std::int64_t>(node) + 2 * half);
 }
@@ -294,18 +297,17 @@ inline void gather_vector(const double* nodal, const std::int32_t* node, Lanes& 
 namespace detail {
 typedef float Four __attribute__((vector_size(16)));
 
+#ifdef __AVX2__
 inline SingleLanes join(const Four* four) {
-  if constexpr (single_lanes == 4)
-    return reinterpret_cast<const SingleLanes&>(four[0]);
-  else
-    return __builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 4, 5, 6, 7);
+  return __builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 4, 5, 6, 7);
 }
 inline Four group(SingleLanes v, int g) {
-  if constexpr (single_lanes == 4)
-    return reinterpret_cast<const Four&>(v);
-  else
-    return g == 0 ? __builtin_shufflevector(v, v, 0, 1, 2, 3) : __builtin_shufflevector(v, v, 4, 5, 6, 7);
+  return g == 0 ? __builtin_shufflevector(v, v, 0, 1, 2, 3) : __builtin_shufflevector(v, v, 4, 5, 6, 7);
 }
+#else
+inline SingleLanes join(const Four* four) { return four[0]; }
+inline Four group(SingleLanes v, int) { return v; }
+#endif
 inline constexpr int n_groups = single_lanes / 4;
 }  // namespace detail
 
@@ -317,19 +319,18 @@ template <class Real>
   } else {
     detail::Four four[detail::n_groups];
     for (int g = 0; g < detail::n_groups; ++g)
-      four[g] = __builtin_convertvector(detail::load_vector<detail::Quad>(p + 4 * g), detail::Four);
+      four[g] = __builtin_convertvector(detail::row_of(p, g), detail::Four);
     return detail::join(four);
   }
 }
 [[gnu::always_inline]] inline void store_lanes(double* p, SingleLanes v) {
   for (int g = 0; g < detail::n_groups; ++g)
-    detail::store_vector(p + 4 * g, __builtin_convertvector(detail::group(v, g), detail::Quad));
+    detail::row_at(p, g) = __builtin_convertvector(detail::group(v, g), detail::Quad);
 }
 /// Adds to a row of doubles, in double precision.
 [[gnu::always_inline]] inline void add_lanes(double* p, SingleLanes v) {
   for (int g = 0; g < detail::n_groups; ++g)
-    detail::store_vector(p + 4 * g, detail::load_vector<detail::Quad>(p + 4 * g) +
-                                        __builtin_convertvector(detail::group(v, g), detail::Quad));
+    detail::row_at(p, g) += __builtin_convertvector(detail::group(v, g), detail::Quad);
 }
 
 /// Vectors of doubles that hold the lanes of one vector of `Real`.
