@@ -21,6 +21,7 @@ TAYLOR = [SOURCE / "inputs/taylor_bar/taylor_bar.yaml", "parts.bar.mesh.cell_siz
 JOHNSON_COOK = TAYLOR + [
     "materials.copper.strength={type: johnson_cook, shear_modulus: 79.577 GPa, A: 806 MPa, B: 614 MPa, n: 0.168, "
     "C: 0.0089, m: 1.1, specific_heat: 460, melting_temperature: 1813.15 K}"]
+SINGLE = ["precision=single"]
 # Small enough that every re-balance moves much, often enough that many fall between erosions.
 OFTEN = ["balance.force_interval=10", "output.results_interval=20 us"]
 
@@ -92,6 +93,12 @@ def rod(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def single(tmp_path_factory):
+    return {case[-1]: run(case + SINGLE, tmp_path_factory.mktemp("single"), settings=OFTEN)
+            for case in (ROD, JOHNSON_COOK)}
+
+
+@pytest.fixture(scope="module")
 def taylor(tmp_path_factory):
     return run(TAYLOR, tmp_path_factory.mktemp("taylor"), settings=OFTEN)
 
@@ -113,6 +120,27 @@ def test_oblique_rod_erodes_both_bodies(rod):
 def test_johnson_cook_bar_has_the_same_bits(tmp_path, ranks, partitioner):
     reference = run(JOHNSON_COOK, tmp_path / "one", settings=OFTEN)
     expect_same(run(JOHNSON_COOK, tmp_path / "many", ranks, OFTEN + partitioned(partitioner)), reference)
+
+
+@pytest.mark.parametrize("ranks, partitioner", [(2, "zoltan_rcb"), (3, "zoltan_hsfc"), (5, "none")])
+@pytest.mark.parametrize("case", [ROD, JOHNSON_COOK], ids=["rod", "johnson_cook"])
+def test_single_precision_has_the_same_bits(single, tmp_path, case, ranks, partitioner):
+    reference = single[case[-1]]
+    assert reference.summary["precision"] == "single"
+    expect_same(run(case + SINGLE, tmp_path, ranks, OFTEN + partitioned(partitioner)), reference)
+
+
+def test_single_precision_is_another_run(rod, single):
+    # Otherwise the tests above would show little.
+    assert single[ROD[-1]].summary["state_hash"] != rod.summary["state_hash"]
+    assert min(single[ROD[-1]].summary["eroded"]["by_part"].values()) >= 5
+
+
+@pytest.mark.parametrize("before, after", [(1, 3), (5, 2)])
+def test_restart_in_single_precision_changes_no_bit(tmp_path, before, after):
+    settings = OFTEN + SINGLE + ["output.restart_interval=8 us"]
+    whole = run(ROD, tmp_path, before, settings)
+    expect_same(run(ROD, tmp_path, after, settings, resume=True), whole)
 
 
 @pytest.mark.parametrize("ranks, partitioner", [(2, "zoltan_rcb"), (3, "zoltan_hsfc"), (5, "zoltan_graph"), (5, "none")])
@@ -161,7 +189,7 @@ def momentum_error(summary):
     return math.hypot(*missing) / greatest
 
 
-@pytest.mark.parametrize("settings", [[], ["checks.free_nodes=drop"]])
+@pytest.mark.parametrize("settings", [[], ["checks.free_nodes=drop"], SINGLE])
 def test_momentum_is_conserved_to_round_off(tmp_path, settings):
     # A step rounds a node's momentum by half a unit in the last place, 1e-16; random over thousands of nodes and
     # hundreds of steps these add up to about 1e-13 of the whole.
