@@ -33,6 +33,7 @@ MARKS = (
     Mark("rod.contact_share", "oblique rod, contact's share of the time", "%", 25.0, False, 100.0),
     Mark("rod_start.contact_share", "the same in its first 15 us", "%", 25.0, False, 100.0),
     Mark("rod.output_share", "oblique rod, output's share of the time", "%", 5.0, False, 100.0),
+    Mark("precision.bar.element_phase", "single over double precision, bar's element phase", "x", 1.5),
     Mark("ranks.bar", "bar, two ranks over two serial runs", "%", 90.0, scale=100.0),
     Mark("ranks.rod", "rod, two ranks over two serial runs", "%", 80.0, scale=100.0),
     Mark("size.rate_ratio", "bar, rate at a million over that at 100 thousand", "%", 80.0, scale=100.0),

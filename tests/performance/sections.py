@@ -6,7 +6,7 @@ import os
 import subprocess
 import tempfile
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Callable
 
@@ -103,6 +103,27 @@ def measure_rod(bench: Bench) -> None:
         bench.keep(f"{name}.output_share", [run.timer("output") / total_of(run) for run in runs[name]])
         summary = runs[name][0].summary
         print(f"  eroded {summary['eroded']['elements']} elements in {summary['cycles']} cycles")
+
+
+def measure_precision(bench: Bench) -> None:
+    """Single over double precision. No baseline: older programs have no such key."""
+    size, rod_size = ("8 thousand", "11 thousand") if bench.quick else ("100 thousand", "82 thousand")
+    cycles, end = (60, "4 us") if bench.quick else (400, "15 us")
+    heading(f"Precision single over double, one rank: bars of {size}, rod of {rod_size} elements to {end}")
+    models = {"bar": bar("bar", size, cycles), "johnson_cook_bar": johnson_cook_bar(size, cycles),
+              "rod": rod("rod", rod_size, f"time.end={end}")}
+    runs: dict[str, list[tuple[Run, Run]]] = {name: [] for name in models}
+    for _ in range(bench.repeats):
+        for name, case in models.items():
+            single = replace(case, overrides=(*case.overrides, "precision=single"))
+            runs[name].append((bench.runner.run(bench.binary, single), bench.runner.run(bench.binary, case)))
+    for name, pairs in runs.items():
+        line(f"{name}: single", bench.keep(f"precision.{name}.rate", [a.rate for a, _ in pairs]), "M/s", 1e-6)
+        line(f"{name}: over double",
+             bench.keep(f"precision.{name}", [a.rate / b.rate for a, b in pairs]), "x")
+        line(f"{name}: element phase over double",
+             bench.keep(f"precision.{name}.element_phase",
+                        [a.element_phase_rate / b.element_phase_rate for a, b in pairs]), "x")
 
 
 def measure_ranks(bench: Bench) -> None:
@@ -222,6 +243,7 @@ def measure_build(bench: Bench) -> None:
 SECTIONS = {
     "bar": Section(measure_bar),
     "rod": Section(measure_rod),
+    "precision": Section(measure_precision),
     "ranks": Section(measure_ranks),
     "rebalance": Section(measure_rebalance),
     "sizes": Section(measure_sizes),
