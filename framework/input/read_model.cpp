@@ -27,8 +27,8 @@ void digest(const Node& node, std::uint64_t& hash) {
   }
 }
 
-/// Of precision, materials, parts, sets, boundaries, contacts, checks and the choice of the time step: what is computed.
-/// How long, how it is distributed and what is written may change at a restart.
+/// Of precision, materials, parts, sets, boundaries, contacts, checks and the choice of the time step: what is
+/// computed. How long, how it is distributed and what is written may change at a restart.
 std::string physics_digest(const Node& root) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   for (const char* key : {"precision", "materials", "parts", "sets", "boundaries", "contacts", "checks"})

@@ -47,16 +47,14 @@ class Kernel {
         store_lanes(at(w.volume, 1, block, 0, lane), piece.volume);
         if (mask_of(~(piece.volume > Real(0.0))) != 0 && w.inverted_block < 0) w.inverted_block = block;
         store_lanes(rows.density + lane, load_lanes_as<Real>(at(w.mass, 1, block, 0, lane)) / piece.volume);
-        for (int i = 0; i < 6; ++i)
-          store_lanes(rows.deviator[i] + lane, load_lanes(at(w.deviator, 6, block, i, lane)));
+        for (int i = 0; i < 6; ++i) store_lanes(rows.deviator[i] + lane, load_lanes(at(w.deviator, 6, block, i, lane)));
       });
       update_material(w, block, rows);
       evaluate_eos(w, block, rows);
       each_piece<Real>([&](int lane) __attribute__((always_inline)) {
         const Motion& piece = k[lane / lanes_of<Real>];
         store_lanes(at(w.pressure, 1, block, 0, lane), load_lanes_as<Real>(rows.pressure + lane));
-        for (int i = 0; i < 6; ++i)
-          store_lanes(at(w.deviator, 6, block, i, lane), load_lanes(rows.deviator[i] + lane));
+        for (int i = 0; i < 6; ++i) store_lanes(at(w.deviator, 6, block, i, lane), load_lanes(rows.deviator[i] + lane));
         const V rho = load_lanes(rows.density + lane), shear = load_lanes(rows.modulus + lane),
                 K = load_lanes_as<Real>(rows.bulk + lane);
         const V c2 = (K + Real(4.0 / 3.0) * shear) / rho, viscosity = linear_viscosity_ * sqrt_of(c2);
@@ -209,9 +207,13 @@ class Kernel {
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { deform(w, block, lane, piece(lane), rows); });
     update_material(w, block, rows);
     const bool uses_energy = w.eos->uses_energy();
-    each_piece<Real>([&](int lane) __attribute__((always_inline)) { predict_energy(w, block, lane, uses_energy, piece(lane), rows); });
+    each_piece<Real>([&](int lane) __attribute__((always_inline)) {
+      predict_energy(w, block, lane, uses_energy, piece(lane), rows);
+    });
     evaluate_eos(w, block, rows);
-    each_piece<Real>([&](int lane) __attribute__((always_inline)) { add_viscosity(w, block, lane, uses_energy, piece(lane), rows); });
+    each_piece<Real>([&](int lane) __attribute__((always_inline)) {
+      add_viscosity(w, block, lane, uses_energy, piece(lane), rows);
+    });
     if (uses_energy) evaluate_eos(w, block, rows);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { finish_state(w, block, lane, piece(lane), rows); });
     const unsigned dead = w.judge ? judge_block(w, block, rows.step, pieces) : 0;
@@ -290,13 +292,12 @@ class Kernel {
   /// energy.
   [[gnu::always_inline]] void add_viscosity(const Work& w, int block, int lane, bool uses_energy, Piece& p,
                                             Rows& rows) const {
-    const V wave =
-        load_lanes_as<Real>(rows.bulk + lane) + Real(4.0 / 3.0) * load_lanes(rows.modulus + lane);
+    const V wave = load_lanes_as<Real>(rows.bulk + lane) + Real(4.0 / 3.0) * load_lanes(rows.modulus + lane);
     p.wave = wave > Real(0.0) ? wave : V{};
     p.c = sqrt_of(p.wave / p.density) + tiny<Real>;
     const auto& strain = rows.step.strain;
-    const V dilatation =
-        (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) / static_cast<Real>(w.dt);
+    const V dilatation = (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) /
+                         static_cast<Real>(w.dt);
     const V closing = dilatation < Real(0.0) ? -dilatation : V{};
     p.viscosity = linear_viscosity_ * p.c + quadratic_viscosity_ * p.k.length * closing;
     p.q = p.k.volume > Real(0.0) ? p.density * p.k.length * closing * p.viscosity : V{};
@@ -307,7 +308,7 @@ class Kernel {
     if (!uses_energy) return;
     const V old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
     const V centred = p.old_energy + p.work + p.viscous_work -
-                          Real(0.5) * (old_pressure + load_lanes_as<Real>(rows.pressure + lane)) * volume_change;
+                      Real(0.5) * (old_pressure + load_lanes_as<Real>(rows.pressure + lane)) * volume_change;
     store_lanes(rows.energy + lane, centred * p.per_mass);
   }
 
@@ -362,8 +363,8 @@ class Kernel {
   /// f_I = -(sigma - hourglass correction) B_I - hourglass, in quanta; the last node takes minus the others'
   /// sum, so that an element's forces add up to nothing exactly.
   template <bool stiffness>
-  [[gnu::always_inline]] void add_forces(Work& w, int block, int lane, const Piece& p, const Strain& step,
-                                         V alive, Totals& totals) const {
+  [[gnu::always_inline]] void add_forces(Work& w, int block, int lane, const Piece& p, const Strain& step, V alive,
+                                         Totals& totals) const {
     const Motion& k = p.k;
     V shape[3][4], rate[3][4];
     for (int d = 0; d < 3; ++d) {
@@ -433,9 +434,8 @@ class Kernel {
   /// Viscous control: resistance = Q/4 rho c A g (Hallquist 1998, eq. 3.21, with A = sqrt(2/3 B:B), which is the
   /// face area of a cube). A force acts on the mean of the velocities before and after it, so half of its work is
   /// booked now and half in the next step, which knows the velocity after it.
-  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p,
-                                              const V (&rate)[3][4], V alive, V (&resist)[3][4],
-                                              Totals& totals) const {
+  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p, const V (&rate)[3][4],
+                                              V alive, V (&resist)[3][4], Totals& totals) const {
     const V area = sqrt_of(p.k.gradient_norm * Real(2.0 / 3.0));
     const V coefficient = (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
     V work{};
@@ -467,9 +467,10 @@ class Kernel {
   /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
   /// highest frequency of the element.
   [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
-                                                  const Strain& step, const V (&rate)[3][4], V alive,
-                                                  V (&resist)[3][4], Totals& totals) const {
-    const V growth = (hourglass_coefficient_ / Real(24.0)) * p.wave * p.k.gradient_norm * p.per_volume * static_cast<Real>(w.dt);
+                                                  const Strain& step, const V (&rate)[3][4], V alive, V (&resist)[3][4],
+                                                  Totals& totals) const {
+    const V growth =
+        (hourglass_coefficient_ / Real(24.0)) * p.wave * p.k.gradient_norm * p.per_volume * static_cast<Real>(w.dt);
     V work{};
     V r[9];
     for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);

@@ -186,8 +186,8 @@ template <class Real>
   const V c00 = a11 * a22 - a12 * a21, c01 = a12 * a20 - a10 * a22, c02 = a10 * a21 - a11 * a20;
   const V inv = one / (a00 * c00 + a01 * c01 + a02 * c02);
   const V m[3][3] = {{c00 * inv, (a02 * a21 - a01 * a22) * inv, (a01 * a12 - a02 * a11) * inv},
-                         {c01 * inv, (a00 * a22 - a02 * a20) * inv, (a02 * a10 - a00 * a12) * inv},
-                         {c02 * inv, (a01 * a20 - a00 * a21) * inv, (a00 * a11 - a01 * a10) * inv}};
+                     {c01 * inv, (a00 * a22 - a02 * a20) * inv, (a02 * a10 - a00 * a12) * inv},
+                     {c02 * inv, (a01 * a20 - a00 * a21) * inv, (a00 * a11 - a01 * a10) * inv}};
   V h[3][3];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) h[i][j] = g[i][0] * m[0][j] + g[i][1] * m[1][j] + g[i][2] * m[2][j];
@@ -198,7 +198,8 @@ template <class Real>
   store_lanes(out.strain[4] + lane, half * (h[1][2] + h[2][1]));
   store_lanes(out.strain[5] + lane, half * (h[2][0] + h[0][2]));
   // With w the half axial vector of W: R = I + 2/(1 + w.w) (w x + w x w x)
-  const V wx = Real(0.25) * (h[2][1] - h[1][2]), wy = Real(0.25) * (h[0][2] - h[2][0]), wz = Real(0.25) * (h[1][0] - h[0][1]);
+  const V wx = Real(0.25) * (h[2][1] - h[1][2]), wy = Real(0.25) * (h[0][2] - h[2][0]),
+          wz = Real(0.25) * (h[1][0] - h[0][1]);
   const V f = Real(2.0) / (one + wx * wx + wy * wy + wz * wz);
   store_lanes(out.rotation[0] + lane, diagonal<Real> - f * (wy * wy + wz * wz));
   store_lanes(out.rotation[1] + lane, f * (wx * wy - wz));

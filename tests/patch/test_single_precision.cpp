@@ -49,8 +49,8 @@ void shake(Part& part, unsigned seed, Vec3 common = {}, int steps = 3) {
 }
 
 double largest(SymTensor s) {
-  return std::max({std::fabs(s.xx), std::fabs(s.yy), std::fabs(s.zz), std::fabs(s.xy), std::fabs(s.yz),
-                   std::fabs(s.zx)});
+  return std::max(
+      {std::fabs(s.xx), std::fabs(s.yy), std::fabs(s.zz), std::fabs(s.xy), std::fabs(s.yz), std::fabs(s.zx)});
 }
 
 /// Greatest difference of two parts' stresses, in units of the bulk modulus.

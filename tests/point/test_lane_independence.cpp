@@ -120,8 +120,10 @@ TEST(Lanes, MaterialsTreatAllAlike) {
     ASSERT_TRUE(materials.contains(name)) << "give " << name << " parameters here";
     const auto law = make_law<Material>("material", name, materials.at(name));
     const auto n_state = static_cast<int>(law->state_variables().size());
-    expect_lanes_alike<double>(n_state, [&](Block<double>& b) { law->update(rows_of(b)); }, name);
-    expect_lanes_alike<float>(n_state, [&](Block<float>& b) { law->update_single(rows_of(b)); }, name + ", single");
+    expect_lanes_alike<double>(
+        n_state, [&](Block<double>& b) { law->update(rows_of(b)); }, name);
+    expect_lanes_alike<float>(
+        n_state, [&](Block<float>& b) { law->update_single(rows_of(b)); }, name + ", single");
   }
 }
 

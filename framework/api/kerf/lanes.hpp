@@ -298,9 +298,7 @@ namespace detail {
 typedef float Four __attribute__((vector_size(16)));
 
 #ifdef __AVX2__
-inline SingleLanes join(const Four* four) {
-  return __builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 4, 5, 6, 7);
-}
+inline SingleLanes join(const Four* four) { return __builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 4, 5, 6, 7); }
 inline Four group(SingleLanes v, int g) {
   return g == 0 ? __builtin_shufflevector(v, v, 0, 1, 2, 3) : __builtin_shufflevector(v, v, 4, 5, 6, 7);
 }
@@ -318,8 +316,7 @@ template <class Real>
     return load_lanes(p);
   } else {
     detail::Four four[detail::n_groups];
-    for (int g = 0; g < detail::n_groups; ++g)
-      four[g] = __builtin_convertvector(detail::row_of(p, g), detail::Four);
+    for (int g = 0; g < detail::n_groups; ++g) four[g] = __builtin_convertvector(detail::row_of(p, g), detail::Four);
     return detail::join(four);
   }
 }
@@ -358,7 +355,8 @@ template <int part>
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
   return __builtin_convertvector(v[0], SingleLanes);
 #elif defined(__AVX2__)
-  const detail::Four four[2] = {__builtin_convertvector(v[0], detail::Four), __builtin_convertvector(v[1], detail::Four)};
+  const detail::Four four[2] = {__builtin_convertvector(v[0], detail::Four),
+                                __builtin_convertvector(v[1], detail::Four)};
   return detail::join(four);
 #else
   return SingleLanes{static_cast<float>(v[0][0]), static_cast<float>(v[0][1]), static_cast<float>(v[1][0]),

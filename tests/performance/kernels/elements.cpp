@@ -33,7 +33,8 @@ class SwayingBlock {
   SwayingBlock(const std::string& hourglass, const std::string& material, int cells,
                const std::string& precision = "double")
       : input_(test::scene(fmt::format(
-            "precision: {3}\ntime: {{end: 1}}\nmaterials:\n  metal: {0}\nparts:\n  block:\n    material: metal\n    element: {{type: "
+            "precision: {3}\ntime: {{end: 1}}\nmaterials:\n  metal: {0}\nparts:\n  block:\n    material: metal\n    "
+            "element: {{type: "
             "hex8, hourglass: {1}}}\n    mesh: {{type: block, size: [{2}e-3, {2}e-3, {2}e-3], cells: [{2}, {2}, {2}]}}",
             material, hourglass, cells, precision))) {
     test::generate(model_, *input_);
