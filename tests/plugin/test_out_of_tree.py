@@ -116,6 +116,19 @@ def test_state_of_the_plugin_is_the_same_on_any_number_of_ranks(plugin, case, tm
     assert len(set(hashes.values())) == 1, hashes
 
 
+def test_in_single_precision_it_computes_in_double_precision_as_ever(plugin, case, tmp_path):
+    settings = ("--set", "precision=single", "--set", "balance.force_interval=40")
+    hashes = {n: run(case, plugin, tmp_path / f"ranks_{n}", "--ranks", n, *settings)["state_hash"] for n in (1, 3)}
+    assert hashes[1] == hashes[3]
+    run(case, plugin, tmp_path / "double")
+    strain = {}
+    for name in ("ranks_1", "double"):
+        with h5py.File(tmp_path / name / "results.vtkhdf") as file:
+            strain[name] = np.ravel(file["VTKHDF/CellData/effective_plastic_strain"])
+    # Stress is rounded to 6e-8 of itself in a step; a run has some hundred steps.
+    assert 0.0 < np.abs(strain["ranks_1"] - strain["double"]).max() < 1e-5 * strain["double"].max()
+
+
 def test_a_built_in_criterion_reads_the_plugins_state(plugin, case, tmp_path):
     criterion = "materials.metal.erosion.criteria=[{type: plastic_strain, limit: 0.15}]"
     summary = run(case, plugin, tmp_path / "eroding", "--set", criterion)
