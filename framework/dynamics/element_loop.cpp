@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/flush_denormals.hpp"
+
 namespace kerf {
 
 namespace {
@@ -25,7 +27,7 @@ ElementArrays<Real> view_of(Model& model, PartModel& part) {
   w.n_blocks = store.n_blocks();
   w.nodes = store.nodes();
   w.mass = store.field(PartStore::mass).entries<double>();
-  w.volume = store.field(PartStore::volume).entries<Real>();
+  w.volume = store.field(PartStore::volume).entries<double>();
   w.deviator = store.field(PartStore::deviator).entries<Real>();
   w.pressure = store.field(PartStore::pressure).entries<Real>();
   w.internal_energy = store.field(PartStore::internal_energy).entries<double>();
@@ -84,6 +86,7 @@ void collect(const Model& model, const PartModel& part, const ElementArrays<Real
     const auto slot = static_cast<int>(w.least_block[l]) * lane_width + l;
     if (slot >= store.n_slots() || !store.live(slot)) continue;
     const std::int64_t id = store.id(slot);
+    if (w.least_step[l] == std::numeric_limits<Real>::max()) continue;  // nothing alive
     const double step = w.least_step[l];
     if (step < report.least_step || (step == report.least_step && id < report.least_id)) {
       report.least_step = step;
@@ -107,14 +110,17 @@ void collect(const Model& model, const PartModel& part, const ElementArrays<Real
   }
 }
 
-template <class View>
-inline constexpr bool is_single = std::is_same_v<View, SingleElementWork&>;
+void initialise(const Element& element, ElementWork& w) { element.initialise(w); }
+void initialise(const Element& element, SingleElementWork& w) { element.initialise_single(w); }
+void add_forces(const Element& element, ElementWork& w) { element.add_internal_forces(w); }
+void add_forces(const Element& element, SingleElementWork& w) { element.add_internal_forces_single(w); }
 
 /// Calls `work(view)` with the view that the part's precision asks for.
 template <class Work>
 void with_view(Model& model, PartModel& part, const Work& work) {
   if (part.store->precision() == Precision::single_precision) {
     auto view = view_of<float>(model, part);
+    const FlushDenormals while_it_works;
     work(view);
   } else {
     auto view = view_of<double>(model, part);
@@ -133,10 +139,7 @@ ElementReport initialise_elements(Model& model) {
   report.least_step = std::numeric_limits<double>::max();
   for (PartModel& part : model.parts) {
     with_view(model, part, [&](auto& w) {
-      if constexpr (is_single<decltype(w)>)
-        part.input->element->initialise_single(w);
-      else
-        part.input->element->initialise(w);
+      initialise(*part.input->element, w);
       collect(model, part, w, report);
     });
   }
@@ -151,10 +154,7 @@ ElementReport add_internal_forces(Model& model, const Step& step, Erosion& erosi
       w.dt = step.dt;
       w.judge = erosion.judge(model, part.store->index(), step.cycle);
       w.failed = erosion.flags(part.store->index());
-      if constexpr (is_single<decltype(w)>)
-        part.input->element->add_internal_forces_single(w);
-      else
-        part.input->element->add_internal_forces(w);
+      add_forces(*part.input->element, w);
       ledger.accounts.hourglass += w.hourglass_energy;
       collect(model, part, w, report);
     });

@@ -15,7 +15,7 @@ namespace kerf {
 /// What the elements of this rank report of a step.
 struct ElementReport {
   double least_step = 0.0;  // stable step without safety factor [s]
-  std::int64_t least_id = -1;  // element that sets it; lowest id among equals
+  std::int64_t least_id = -1;  // an element that sets it; of several, which one may depend on who shares its block
   std::string trouble;  // sentence about an element that cannot go on; empty where all is well
   std::int64_t trouble_id =
       std::numeric_limits<std::int64_t>::max();  // that element; of several ranks, the lowest speaks

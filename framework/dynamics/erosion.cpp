@@ -43,7 +43,7 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
   alignas(64) double value[8][lane_width], failed[lane_width];
   unsigned masks[8] = {};
   bool looked[8] = {};
-  alignas(64) double narrow[8][lane_width];
+  alignas(64) double wide[8][lane_width];
   const double* reads[8];
   Field& states = store_->field(PartStore::erosion_state);
   for (std::size_t k = 0; k < criteria_.size(); ++k) {
@@ -53,8 +53,8 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
     for (std::size_t r = 0; r < c.reads.size(); ++r) {
       const Field& f = store_->field(c.reads[r].first);
       const std::size_t first = f.index(block * lane_width, c.reads[r].second);
-      reads[r] = f.is_single ? narrow[r] : f.data.data() + first;
-      for (int l = 0; f.is_single && l < lane_width; ++l) narrow[r][l] = f.single_data[first + l];
+      reads[r] = f.is_single ? wide[r] : f.data.data() + first;
+      for (int l = 0; f.is_single && l < lane_width; ++l) wide[r][l] = f.single_data[first + l];
     }
     rows.reads = reads;
     rows.state = states.data.data() + states.index(block * lane_width, c.first_state);

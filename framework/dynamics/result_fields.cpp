@@ -61,7 +61,7 @@ double* copy_elements_of(const PartStore& store, const std::string& name, double
     std::vector<Rows> s;
     for (int c = 0; c < 6; ++c) s.emplace_back(store, PartStore::deviator, c);
     return each([&](int b, int l) {
-      return von_mises(SymTensor{s[0](b, l), s[1](b, l), s[2](b, l), s[3](b, l), s[4](b, l), s[5](b, l)});
+      return von_mises({s[0](b, l), s[1](b, l), s[2](b, l), s[3](b, l), s[4](b, l), s[5](b, l)});
     });
   }
   if (const auto [field, component] = store.find_variable(name); field != PartStore::n_fields)

@@ -83,6 +83,7 @@ class SetMarker {
 /// What a rank learns of its share of the mesh while it makes it.
 struct MeshFacts {
   double longest_edge = 0.0;  // [m]
+  std::vector<std::array<double, 2>> sizes;  // per part: least and greatest longest edge of its elements [m]
   std::vector<std::int64_t> n_unusable;  // per part: elements that cannot be computed
 };
 
@@ -124,7 +125,9 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
     }
     const double volume = hex_volume(x);
     if (!(volume > 0.0) || !(min_scaled_jacobian(x) > 0.0)) ++facts.n_unusable[p];
-    facts.longest_edge = std::max(facts.longest_edge, longest_edge(x));
+    const double edge = longest_edge(x);
+    facts.longest_edge = std::max(facts.longest_edge, edge);
+    facts.sizes[p] = {std::min(facts.sizes[p][0], edge), std::max(facts.sizes[p][1], edge)};
     out.ids.push_back(part.first_element + e);
     out.nodes.push_back(ids);
     part.store->initial_record(part.material->density * volume,
@@ -148,13 +151,22 @@ void refuse_unusable(const Model& model, const MeshFacts& facts) {
   if (!errors.empty()) throw InputError(errors);
 }
 
-/// Throws where squares of areas would leave the range of floats. Collective.
-void refuse_beyond_floats(const Model& model, double longest_edge) {
-  if (model.input->precision != "single" || (longest_edge > 1e-7 && longest_edge < 1e7)) return;
-  throw InputError({fmt::format(
-      "{}: error: `precision: single` computes with edges between 1e-7 m and 1e7 m, and the longest edge of the "
-      "mesh has {:.3g} m; remove it, or mind the units of the mesh",
-      model.input->parts.front()->mesh->origin, longest_edge)});
+/// Throws where areas squared, or these times a modulus, would leave the range of floats: 1e-38 to 3e38. Dummies, whose
+/// edges are 16 times the longest one, are computed too. Collective.
+void refuse_beyond_floats(const Model& model, const MeshFacts& facts) {
+  if (model.input->precision != "single") return;
+  constexpr double least = 1e-7, most = 1e5;  // [m]
+  std::vector<std::string> errors;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartInput& part = *model.parts[p].input;
+    const double low = -greatest(model.comm, -facts.sizes[p][0]), high = greatest(model.comm, facts.sizes[p][1]);
+    if (low < least || high > most)
+      errors.push_back(fmt::format(
+          "{}: error: part {} has elements of {:.3g} m, and `precision: single` computes with {:g} m to {:g} m; "
+          "expected other units of the mesh, or `precision: double`",
+          part.mesh->origin, part.name, low < least ? low : high, least, most));
+  }
+  if (!errors.empty()) throw InputError(errors);
 }
 
 /// Lumped nodal masses: an eighth of each element, summed in whole quanta over all ranks.
@@ -234,6 +246,7 @@ void generate_mesh(Model& model) {
   bundle.parts.resize(model.parts.size());
   MeshFacts facts;
   facts.n_unusable.assign(model.parts.size(), 0);
+  facts.sizes.assign(model.parts.size(), {std::numeric_limits<double>::max(), 0.0});
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartModel& part = model.parts[p];
     const std::int64_t low = std::clamp(first - part.first_element, std::int64_t{0}, part.n_elements);
@@ -241,8 +254,8 @@ void generate_mesh(Model& model) {
     if (low < high) generate_part(model, p, low, high, bundle, facts);
   }
   refuse_unusable(model, facts);
+  refuse_beyond_floats(model, facts);
   const double longest = greatest(model.comm, facts.longest_edge);
-  refuse_beyond_floats(model, longest);
   model.dummy_edge = 16.0 * longest;
   double stiffest = 0.0;
   for (const PartModel& part : model.parts)

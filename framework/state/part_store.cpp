@@ -38,7 +38,7 @@ PartStore::PartStore(int index, const Element& element, const Material& material
   declare(eos_state, "eos_state", eos.state_variables());
   declare(erosion_state, "erosion_state", erosion_variables);
   // Those of ElementArrays<Real> whose type is Real.
-  for (const FieldIndex f : {volume, deviator, pressure, element_state})
+  for (const FieldIndex f : {deviator, pressure, element_state})
     fields_[f].is_single = precision == Precision::single_precision;
   for (const Field& f : fields_) record_size_ += f.n_components;
 }
@@ -60,7 +60,7 @@ void PartStore::resize(int n_slots) {
   const std::size_t padded = static_cast<std::size_t>(n_blocks()) * lane_width;
   ids_.assign(padded, -1);
   nodes_.assign(padded * 8, 0);
-  for (Field& f : fields_) f.clear(padded * f.n_components);
+  for (Field& f : fields_) f.assign_zeros(padded * f.n_components);
 }
 
 void PartStore::clear_slot(int slot) {

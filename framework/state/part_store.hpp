@@ -11,14 +11,15 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/assert.hpp"
 #include "kerf/element.hpp"
 #include "kerf/math.hpp"
 #include "state/aligned.hpp"
 
 namespace kerf {
 
-/// What the elements of a model compute with. In single precision, stress, geometry and what elements keep for
-/// themselves are floats; masses, energies and what laws keep are doubles always.
+/// What the elements of a model compute with. In single precision, stress and what elements keep for themselves are
+/// floats; masses, volumes, energies and what laws keep are doubles always.
 enum class Precision { double_precision, single_precision };
 
 /// One array of a part: a quantity with a name per component. One of the two vectors is in use.
@@ -48,13 +49,14 @@ struct Field {
   /// All entries. Pre: Real is the type in use.
   template <class Real>
   Real* entries() {
+    KERF_ASSERT(is_single == (std::is_same_v<Real, float>), "a field is read in its own precision");
     if constexpr (std::is_same_v<Real, float>)
       return single_data.data();
     else
       return data.data();
   }
   void resize(std::size_t n) { is_single ? single_data.resize(n) : data.resize(n); }
-  void clear(std::size_t n) {
+  void assign_zeros(std::size_t n) {
     resize(0);
     resize(n);
   }

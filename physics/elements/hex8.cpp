@@ -51,10 +51,7 @@ struct Hex8 final : Element {
   void initialise(ElementWork& work) const override { Kernel<double>(control()).initialise(work); }
 
   bool computes_in_single() const override { return true; }
-  void add_internal_forces_single(SingleElementWork& work) const override {
-    const FlushDenormals while_it_runs;
-    run(work);
-  }
+  void add_internal_forces_single(SingleElementWork& work) const override { run(work); }
   void initialise_single(SingleElementWork& work) const override { Kernel<float>(control()).initialise(work); }
 
  private:

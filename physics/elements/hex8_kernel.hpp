@@ -1,9 +1,10 @@
 // The update of eight-node hexahedra, block by block, with numbers of type `Real`, double or float: strain, laws,
 // energies, erosion, hourglass control, forces.
 //
-// In single precision what is kept per element is stored as floats, but masses, energies and what laws keep, and laws
-// compute in doubles; the nodes' motion relative to the element's first node is taken in doubles and then rounded.
-// Forces and energies are rounded to whole quanta of 64 bits in both.
+// In single precision stress and what the element keeps are floats, but masses, volumes, energies and what laws keep
+// doubles; the nodes' motion relative to the element's first node is taken in doubles and then rounded. Equations of
+// state and criteria get rows of doubles, materials rows of floats. Forces and energies are rounded to whole quanta of
+// 64 bits in both.
 //
 // Sources: see hex8.cpp.
 #pragma once
@@ -44,9 +45,15 @@ class Kernel {
         Motion& piece = k[lane / lanes_of<Real>];
         gather(w.position, w.velocity, nodes_of(w, block, lane), piece);
         measure(piece);
-        store_lanes(at(w.volume, 1, block, 0, lane), piece.volume);
+        for (int part = 0; part < n_wide<Real>; ++part)
+          store_lanes(at(w.volume, 1, block, 0, lane + part * register_lanes), piece.exact_volume[part]);
         if (mask_of(~(piece.volume > Real(0.0))) != 0 && w.inverted_block < 0) w.inverted_block = block;
         store_lanes(rows.density + lane, load_lanes_as<Real>(at(w.mass, 1, block, 0, lane)) / piece.volume);
+        if constexpr (is_single)
+          for (int part = 0; part < n_wide<Real>; ++part) {
+            const int l = lane + part * register_lanes;
+            store_lanes(rows.exact_density + l, load_lanes(at(w.mass, 1, block, 0, l)) / piece.exact_volume[part]);
+          }
         for (int i = 0; i < 6; ++i) store_lanes(rows.deviator[i] + lane, load_lanes(at(w.deviator, 6, block, i, lane)));
       });
       update_material(w, block, rows);
@@ -81,7 +88,7 @@ class Kernel {
     Motion k;
     V s[6];  // deviator: rotated to the end of the step, later updated [Pa]
     V good;  // 1 where the volume is positive, otherwise 0
-    V volume, old_volume, per_volume;  // the first one positive
+    V volume, old_volume, volume_change, per_volume;  // the first one positive
     V mass, per_mass, density, old_energy, work;  // the latter of the deviator in this step [J]
     V wave, c;  // rho c^2 [Pa], c [m/s]
     V viscosity, q, viscous_work, p;  // linear and quadratic [m/s]; bulk viscosity pressure [Pa]; [J]; [Pa]
@@ -92,32 +99,32 @@ class Kernel {
   struct Rows {
     Strain step;
     alignas(64) Real deviator[6][lane_width], density[lane_width], energy[lane_width], modulus[lane_width];
-    alignas(64) double pressure[lane_width], bulk[lane_width];  // from the EOS
+    alignas(64) double exact_density[is_single ? lane_width : 1];  // for the EOS
+    alignas(64) double pressure[lane_width], bulk[lane_width];  // from it
   };
   /// Sums over blocks.
   struct Totals {
     alignas(64) std::int64_t hourglass_energy[lane_width] = {};  // in quanta
   };
 
-  static V all(double v) { return lanes(static_cast<Real>(v)); }
   /// The row itself, or its copy in double precision.
   [[gnu::always_inline]] static const double* widen(const double* row, double*) { return row; }
   [[gnu::always_inline]] static const double* widen(const float* row, double* wide) {
     for (int lane = 0; lane < lane_width; lane += single_lanes) store_lanes(wide + lane, load_lanes(row + lane));
     return wide;
   }
-  /// The same of rows, for criteria.
-  struct Wide {
-    StepStrain<double> copy;
-    [[gnu::always_inline]] const StepStrain<double>& operator()(const StepStrain<double>& step) { return step; }
-    [[gnu::always_inline]] const StepStrain<double>& operator()(const StepStrain<float>& step) {
-      for (int i = 0; i < 6; ++i) widen(step.strain[i], copy.strain[i]);
-      for (int i = 0; i < 9; ++i) widen(step.rotation[i], copy.rotation[i]);
+  /// The step as criteria see it.
+  [[gnu::always_inline]] static const StepStrain<double>& widen(const Strain& step, StepStrain<double>& wide) {
+    if constexpr (!is_single) {
+      return step;
+    } else {
+      for (int i = 0; i < 6; ++i) widen(step.strain[i], wide.strain[i]);
+      for (int i = 0; i < 9; ++i) widen(step.rotation[i], wide.rotation[i]);
       for (int i = 0; i < 9; i += 4)
-        for (int l = 0; l < lane_width; ++l) copy.rotation[i][l] += 1.0;
-      return copy;
+        for (int l = 0; l < lane_width; ++l) wide.rotation[i][l] += 1.0;
+      return wide;
     }
-  };
+  }
 
   /// Entry of a blocked array: [block][n_components][lane].
   template <class Number>
@@ -157,11 +164,14 @@ class Kernel {
   }
 
   static void evaluate_eos(Work& w, int block, Rows& rows) {
-    alignas(64) double wide[2][lane_width];
+    alignas(64) double wide[lane_width];
     EosBatch e;
     e.reference_density = w.reference_density;
-    e.density = widen(rows.density, wide[0]);
-    e.specific_energy = widen(rows.energy, wide[1]);
+    if constexpr (is_single)
+      e.density = rows.exact_density;
+    else
+      e.density = rows.density;
+    e.specific_energy = widen(rows.energy, wide);
     e.state = at(w.eos_state, w.n_eos_state, block, 0, 0);
     e.pressure = rows.pressure;
     e.bulk_modulus = rows.bulk;
@@ -230,16 +240,41 @@ class Kernel {
     });
   }
 
+  /// An element without volume keeps its state; it is eroded below, or stops the run. In single precision the new
+  /// volume, its change, and the density that the equation of state will see are of double precision.
+  [[gnu::always_inline]] static void update_volume(const Work& w, int block, int lane, Piece& p, Rows& rows) {
+    const auto upright = p.k.volume > Real(0.0);
+    p.good = upright ? lanes(Real(1.0)) : V{};
+    if constexpr (is_single) {
+      constexpr int n = n_wide<float>;
+      Lanes volume[n], old_volume[n], change[n], per_volume[n];
+      for (int part = 0; part < n; ++part) {
+        const int l = lane + part * register_lanes;
+        double* stored = at(w.volume, 1, block, 0, l);
+        old_volume[part] = load_lanes(stored);
+        volume[part] = p.k.exact_volume[part] > 0.0 ? p.k.exact_volume[part] : old_volume[part];
+        change[part] = volume[part] - old_volume[part];
+        store_lanes(stored, volume[part]);
+        per_volume[part] = 1.0 / volume[part];
+        store_lanes(rows.exact_density + l, load_lanes(at(w.mass, 1, block, 0, l)) * per_volume[part]);
+      }
+      p.per_volume = narrowed(per_volume);
+      p.volume = narrowed(volume);
+      p.old_volume = narrowed(old_volume);
+      p.volume_change = narrowed(change);
+    } else {
+      p.old_volume = load_lanes(at(w.volume, 1, block, 0, lane));
+      p.volume = upright ? p.k.volume : p.old_volume;
+      p.volume_change = p.volume - p.old_volume;
+      p.per_volume = 1.0 / p.volume;
+    }
+  }
+
   /// From nodal motion to the strain of the step and the rotated deviator.
   [[gnu::always_inline]] static void deform(const Work& w, int block, int lane, Piece& p, Rows& rows) {
     gather(w.position, w.velocity, nodes_of(w, block, lane), p.k);
     measure(p.k);
-    // An element without volume keeps its state; it is eroded below, or stops the run.
-    p.old_volume = load_lanes(at(w.volume, 1, block, 0, lane));
-    const auto upright = p.k.volume > Real(0.0);
-    p.good = upright ? all(1.0) : V{};
-    p.volume = upright ? p.k.volume : p.old_volume;
-    p.per_volume = Real(1.0) / p.volume;
+    update_volume(w, block, lane, p, rows);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) p.k.velocity_gradient[i][j] = dot8(p.k.v[i], p.k.b[j]) * p.per_volume;
     strain_of_step<Real>(p.k.velocity_gradient, static_cast<Real>(w.dt), p.good, rows.step, lane);
@@ -284,7 +319,7 @@ class Kernel {
     p.work = work * (Real(0.25) * (p.volume + p.old_volume));
     if (!uses_energy) return;
     const V old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
-    const V predicted = p.old_energy + p.work - old_pressure * (p.volume - p.old_volume);
+    const V predicted = p.old_energy + p.work - old_pressure * p.volume_change;
     store_lanes(rows.energy + lane, predicted * p.per_mass);
   }
 
@@ -302,13 +337,13 @@ class Kernel {
     p.viscosity = linear_viscosity_ * p.c + quadratic_viscosity_ * p.k.length * closing;
     p.q = p.k.volume > Real(0.0) ? p.density * p.k.length * closing * p.viscosity : V{};
     Real* stored = at(w.element_state, w.n_element_state, block, 0, lane);
-    const V old_q = load_lanes(stored), volume_change = p.volume - p.old_volume;
+    const V old_q = load_lanes(stored);
     store_lanes(stored, p.q);
-    p.viscous_work = Real(-0.5) * (old_q + p.q) * volume_change;
+    p.viscous_work = Real(-0.5) * (old_q + p.q) * p.volume_change;
     if (!uses_energy) return;
     const V old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
     const V centred = p.old_energy + p.work + p.viscous_work -
-                      Real(0.5) * (old_pressure + load_lanes_as<Real>(rows.pressure + lane)) * volume_change;
+                      Real(0.5) * (old_pressure + load_lanes_as<Real>(rows.pressure + lane)) * p.volume_change;
     store_lanes(rows.energy + lane, centred * p.per_mass);
   }
 
@@ -318,7 +353,7 @@ class Kernel {
     const V old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
     double *internal_energy = at(w.internal_energy, 1, block, 0, lane),
            *viscous_energy = at(w.viscous_energy, 1, block, 0, lane);
-    const V pressure_work = Real(0.5) * (old_pressure + p.p) * (p.volume - p.old_volume);
+    const V pressure_work = Real(0.5) * (old_pressure + p.p) * p.volume_change;
     if constexpr (std::is_same_v<Real, double>) {
       store_lanes(internal_energy, p.old_energy + p.work + p.viscous_work - pressure_work);
       store_lanes(viscous_energy, load_lanes(viscous_energy) + p.viscous_work);
@@ -327,7 +362,7 @@ class Kernel {
       add_lanes(viscous_energy, p.viscous_work);
     }
     store_lanes(at(w.pressure, 1, block, 0, lane), p.p);
-    store_lanes(at(w.volume, 1, block, 0, lane), p.volume);
+    if constexpr (!is_single) store_lanes(at(w.volume, 1, block, 0, lane), p.volume);
     const V fastest2 =
         p.c * p.c + breathing(p.k, load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
     p.stable = p.k.length / (p.viscosity + sqrt_of(p.viscosity * p.viscosity + fastest2));
@@ -336,8 +371,8 @@ class Kernel {
   unsigned judge_block(Work& w, int block, const Strain& step, const Piece (&pieces)[pieces_of<Real>]) const {
     alignas(64) double stress[6][lane_width], pressure[lane_width], density[lane_width], volume[lane_width],
         time_step[lane_width];
-    Wide wide;
-    const StepStrain<double>& step_in_doubles = wide(step);
+    StepStrain<double> in_doubles;
+    const StepStrain<double>& wide = widen(step, in_doubles);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) {
       const Piece& p = pieces[lane / lanes_of<Real>];
       const auto reference = static_cast<Real>(w.reference_density);
@@ -349,8 +384,8 @@ class Kernel {
     });
     ErosionBatch rows;
     rows.stress = stress;
-    rows.strain_increment = step_in_doubles.strain;
-    rows.rotation = step_in_doubles.rotation;
+    rows.strain_increment = wide.strain;
+    rows.rotation = wide.rotation;
     rows.pressure = pressure;
     rows.density_ratio = density;
     rows.volume_ratio = volume;

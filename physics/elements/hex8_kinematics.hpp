@@ -72,6 +72,7 @@ struct Kinematics {
   V x[3][8], v[3][8], b[3][8];
   V volume, velocity_gradient[3][3];  // the latter with respect to the end of the step [1/s]
   V gradient_norm;  // sum of all B squared [m4]
+  Lanes exact_volume[n_wide<Real>];  // the same as `volume`, in double precision
   V length;  // V / sqrt(2 lambda_max(B B^T)): the length of the stable step [m]
 };
 
@@ -90,31 +91,54 @@ struct Kinematics {
     for (int i = 0; i < 8; ++i) k.x[d][i] -= first;
   }
 }
+/// Volume of the element, of corners relative to the first one (J. Grandy, "Efficient computation of volume of
+/// hexahedral cells", UCRL-ID-128886 (1997)). It equals the sum of x B, which in single precision has an error that an
+/// equation of state would multiply by the bulk modulus.
+[[gnu::always_inline]] inline Lanes volume_of(const Lanes (&x)[8][3]) {
+  const auto triple = [](const Lanes(&a)[3], const Lanes(&b)[3], const Lanes(&c)[3]) __attribute__((always_inline)) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  };
+  Lanes p[3], q[3], r[3], from_1[3], from_3[3], from_4[3];
+  for (int d = 0; d < 3; ++d) {
+    p[d] = (x[3][d] - x[1][d]) + (x[7][d] - x[2][d]);
+    q[d] = (x[4][d] - x[3][d]) + (x[5][d] - x[7][d]);
+    r[d] = (x[1][d] - x[4][d]) + (x[2][d] - x[5][d]);
+    from_1[d] = x[6][d] - x[1][d];
+    from_3[d] = x[6][d] - x[3][d];
+    from_4[d] = x[6][d] - x[4][d];
+  }
+  return (triple(p, from_3, x[2]) + triple(q, from_4, x[7]) + triple(r, from_1, x[5])) * (1.0 / 12.0);
+}
+
 [[gnu::always_inline]] inline void gather(const double* position, const double* velocity, const std::int32_t* nodes,
                                           Kinematics<float>& k) {
   constexpr int n = n_wide<float>;
-  Lanes x0[3][n], v0[3][n];
+  Lanes x[n][8][3], v0[n][3];
 #pragma GCC unroll 8
   for (int i = 0; i < 8; ++i) {
-    Lanes x[3][n], v[3][n];
+    Lanes v[n][3];
     for (int part = 0; part < n; ++part) {
       const std::int32_t* node = nodes + lane_width * i + part * register_lanes;
-      gather_vector(position, node, x[0][part], x[1][part], x[2][part]);
-      gather_vector(velocity, node, v[0][part], v[1][part], v[2][part]);
+      gather_vector(position, node, x[part][i][0], x[part][i][1], x[part][i][2]);
+      gather_vector(velocity, node, v[part][0], v[part][1], v[part][2]);
     }
     for (int d = 0; d < 3; ++d) {
-      for (int part = 0; part < n; ++part) {
-        if (i == 0) {
-          x0[d][part] = x[d][part];
-          v0[d][part] = v[d][part];
-        }
-        x[d][part] -= x0[d][part];
-        v[d][part] -= v0[d][part];
+      if (i == 0) {
+        for (int part = 0; part < n; ++part) v0[part][d] = v[part][d];
+        k.x[d][0] = k.v[d][0] = SingleLanes{};
+        continue;
       }
-      k.x[d][i] = i == 0 ? SingleLanes{} : narrowed(x[d]);
-      k.v[d][i] = i == 0 ? SingleLanes{} : narrowed(v[d]);
+      Lanes wide_x[n], wide_v[n];
+      for (int part = 0; part < n; ++part) {
+        wide_x[part] = x[part][i][d] -= x[part][0][d];
+        wide_v[part] = v[part][d] - v0[part][d];
+      }
+      k.x[d][i] = narrowed(wide_x);
+      k.v[d][i] = narrowed(wide_v);
     }
   }
+  for (int part = 0; part < n; ++part) k.exact_volume[part] = volume_of(x[part]);
+  k.volume = narrowed(k.exact_volume);
 }
 
 /// Largest eigenvalue of the 3x3 matrix B B^T, by the bound of Wolkowicz & Styan (1980) and two Newton steps
@@ -144,7 +168,7 @@ template <class Real>
   integrate_gradient<Real>(k.x[1], k.x[2], k.b[0]);
   integrate_gradient<Real>(k.x[2], k.x[0], k.b[1]);
   integrate_gradient<Real>(k.x[0], k.x[1], k.b[2]);
-  k.volume = dot8(k.x[0], k.b[0]);
+  if constexpr (std::is_same_v<Real, double>) k.exact_volume[0] = k.volume = dot8(k.x[0], k.b[0]);
   const V xx = dot8(k.b[0], k.b[0]), yy = dot8(k.b[1], k.b[1]), zz = dot8(k.b[2], k.b[2]);
   const V xy = dot8(k.b[0], k.b[1]), yz = dot8(k.b[1], k.b[2]), zx = dot8(k.b[2], k.b[0]);
   k.gradient_norm = xx + yy + zz;

@@ -9,6 +9,7 @@ using namespace kerf;
 struct Elastic final : PointwiseMaterial<Elastic> {
   double G = 0.0;  // [Pa]
   using State = NoVariables;
+  static constexpr bool computes_in_single = true;
 
   static void describe(Schema<Elastic>& s) {
     s.real(&Elastic::G, "shear_modulus", "Pa", positive, "elastic shear modulus");
@@ -23,6 +24,7 @@ struct Elastic final : PointwiseMaterial<Elastic> {
 /// No deviator: fluids, and solids where the pressure is all that matters.
 struct Hydrodynamic final : PointwiseMaterial<Hydrodynamic> {
   using State = NoVariables;
+  static constexpr bool computes_in_single = true;
 
   static void describe(Schema<Hydrodynamic>&) {}
   template <class Real>

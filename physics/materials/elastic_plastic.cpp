@@ -17,6 +17,7 @@ struct ElasticPlastic final : PointwiseMaterial<ElasticPlastic> {
   struct State {
     double effective_plastic_strain;
   };
+  static constexpr bool computes_in_single = true;
 
   static void describe(Schema<ElasticPlastic>& s) {
     s.real(&ElasticPlastic::G, "shear_modulus", "Pa", positive, "elastic shear modulus");

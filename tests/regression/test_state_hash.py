@@ -224,8 +224,9 @@ def test_ranks_without_elements_and_without_live_elements_work(tmp_path):
         expect_same(moved, one)
 
 
-def test_a_run_whose_last_element_erodes_goes_on_with_free_nodes(tmp_path):
-    case = [tmp_path / "eight.yaml"]
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_a_run_whose_last_element_erodes_goes_on_with_free_nodes(tmp_path, precision):
+    case = [tmp_path / "eight.yaml", f"precision={precision}"]
     case[0].write_text(EIGHT.replace("limit: 0.25", "limit: 0.01"))
     one = run(case, tmp_path / "one")
     assert one.summary["exit"] == "completed"

@@ -87,6 +87,7 @@ class PartOf {
  public:
   std::vector<Vec3> x, v;  // [m], [m/s]
   ElementArrays<Real> work;  // of the last call
+  double force_quantum = quantum;  // [N]
 
   explicit PartOf(const HexMesh& mesh, const PartLaws& laws = {})
       : x(mesh.x),
@@ -159,7 +160,7 @@ class PartOf {
   }
   /// Sum over elements of the force on a node [N], and in quanta.
   Vec3 force(int node) const {
-    return {quanta(node, 0) * quantum, quanta(node, 1) * quantum, quanta(node, 2) * quantum};
+    return {quanta(node, 0) * force_quantum, quanta(node, 1) * force_quantum, quanta(node, 2) * force_quantum};
   }
   std::int64_t quanta(int node, int d) const { return force_[4 * static_cast<std::size_t>(node) + d]; }
   /// Least stable step of the last call [s].
@@ -194,7 +195,7 @@ class PartOf {
     work.position = position_.data();
     work.velocity = velocity_.data();
     work.force = force_.data();
-    work.scale = {quantum, 1.0 / quantum};
+    work.scale = {force_quantum, 1.0 / force_quantum};
     work.dt = dt;
     work.material = strength_.get();
     work.eos = eos_.get();
@@ -204,7 +205,7 @@ class PartOf {
     const auto reals = [&](PartStore::FieldIndex f) { return store_.field(f).template entries<Real>(); };
     const auto doubles = [&](PartStore::FieldIndex f) { return store_.field(f).template entries<double>(); };
     work.mass = doubles(PartStore::mass);
-    work.volume = reals(PartStore::volume);
+    work.volume = doubles(PartStore::volume);
     work.deviator = reals(PartStore::deviator);
     work.pressure = reals(PartStore::pressure);
     work.internal_energy = doubles(PartStore::internal_energy);

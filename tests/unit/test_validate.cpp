@@ -55,6 +55,8 @@ struct SmallBrick final : Element {
   void add_internal_forces(ElementWork&) const override {}
   void initialise(ElementWork&) const override {}
   bool computes_in_single() const override { return true; }
+  void add_internal_forces_single(SingleElementWork&) const override {}
+  void initialise_single(SingleElementWork&) const override {}
 };
 
 struct OneRank final : Partitioner {

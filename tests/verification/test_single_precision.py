@@ -1,7 +1,7 @@
 """What `precision: single` costs: the same runs in both precisions.
 
-A float has 24 bits; its unit round-off is 6e-8. Volumes are known to some ten of those, pressures to that share of the
-bulk modulus, stresses to it of themselves. Energies and what laws keep are doubles.
+A float has 24 bits; its unit round-off is 6e-8. Stresses and pressures are rounded to that of themselves in every step.
+Volumes, energies and what laws keep are doubles.
 """
 
 import numpy as np
@@ -33,10 +33,10 @@ def test_the_bar_has_the_same_shape(bars):
 
 def test_energies_of_the_bar_agree_and_balance(bars):
     exact, single = (bars[p].summary["energy"] for p in ("double", "single"))
+    # What a step's work loses by round-off, a few units of it, is random: after thousands of steps, some hundred units.
     for name in ("kinetic", "internal", "hourglass", "bulk_viscosity"):
-        assert single[name] == pytest.approx(exact[name], rel=1e-5, abs=1e-5 * exact["initial"])
-    # What a step's work loses by round-off, a few units, is random and adds up over the steps as a walk.
-    assert abs(single["balance_error"] - exact["balance_error"]) < 1e-5
+        assert abs(single[name] - exact[name]) < 100 * UNIT * exact["initial"]
+    assert abs(single["balance_error"] - exact["balance_error"]) < 100 * UNIT
 
 
 def test_mass_is_the_same_and_momentum_is_conserved(bars):
@@ -44,22 +44,23 @@ def test_mass_is_the_same_and_momentum_is_conserved(bars):
     assert single["mass"] == exact["mass"]
     m = single["momentum"]
     missing = [f + e - i - x for f, e, i, x in zip(m["final"], m["eroded"], m["initial"], m["external_impulse"])]
-    # Forces of an element are whole quanta that add up to nothing, in either precision.
+    # Forces of an element are whole quanta that add up to nothing, in either precision. What is left is that a step
+    # rounds the nodes' momenta, in doubles: see test_momentum_is_conserved_to_round_off in tests/regression.
     assert np.linalg.norm(missing) < 1e-12 * np.linalg.norm(m["initial"])
 
 
 def test_fields_of_the_bar_agree(bars):
     exact, single = (bars[p].results for p in ("double", "single"))
     frame = len(exact.times) // 2
-    # The pressure follows from the volume: its error is K times the volume's, some ten units, and waves that this sets off.
-    error = np.abs(single.cell("pressure", frame) - exact.cell("pressure", frame)).max()
-    print(f"pressure {error:.3g} Pa, {error / K_COPPER / UNIT:.3g} units of K")
-    assert error < 100 * UNIT * K_COPPER
-    strain, expected = (r.cell("effective_plastic_strain", frame) for r in (single, exact))
-    print(f"plastic strain {np.abs(strain - expected).max():.3g} of {expected.max():.3g}")
-    assert np.abs(strain - expected).max() < 1e-5 * expected.max()
-    assert single.cell("density", frame) == pytest.approx(exact.cell("density", frame), rel=1e-5)
-    assert single.cell("internal_energy", frame) == pytest.approx(exact.cell("internal_energy", frame), rel=1e-3, abs=1.0)
+    # The pressure follows from the volume: its error is K times the volume's, some ten units, and what
+    # waves that this sets off add.
+    def error(name):
+        return np.abs(single.cell(name, frame) - exact.cell(name, frame)).max()
+
+    # What a step loses is a few units, random; after a walk of a thousand steps, less than a hundred.
+    for name in ("pressure", "von_mises", "density", "effective_plastic_strain", "internal_energy"):
+        scale = np.abs(exact.cell(name, frame)).max()
+        assert error(name) < 100 * UNIT * scale, name
 
 
 def test_an_elastic_plastic_wave_is_the_same(impacts):
@@ -71,11 +72,21 @@ def test_an_elastic_plastic_wave_is_the_same(impacts):
 
 
 def test_a_body_at_rest_stays_at_rest(kerf):
-    # Initial pressures are round-off of the volume instead of zero: what they set off must stay that small.
+    # The volume is of doubles, so the pressure of an undeformed element is round-off of doubles, and the rest is zero.
     run = kerf("taylor_bar/taylor_bar.yaml", "parts.bar.mesh.cell_size=0.8 mm", "parts.bar.velocity=0 0 0 m/s",
                "precision=single", "output.element_fields=[pressure]", "output.precision=double")
     pressure = np.abs(run.results.cell("pressure", -1)).max()
     speed = np.linalg.norm(run.results.node("velocity", -1), axis=1).max()
-    print(f"pressure {pressure:.3g} Pa, speed {speed:.3g} m/s after {run.summary['cycles']} cycles")
-    assert pressure < 30 * UNIT * K_COPPER
-    assert speed < 30 * UNIT * 4000.0  # of the sound speed
+    assert run.summary["cycles"] > 500
+    assert pressure < 1e-13 * K_COPPER
+    assert speed < 1e-13 * 4000.0  # of the sound speed
+    assert abs(run.summary["energy"]["kinetic"]) < 1e-18
+
+
+def test_a_slow_body_gains_no_energy(kerf):
+    # Round-off as a share of the modulus, not of the stress, would heat a body without load by some 1e-8 J/kg per cycle:
+    # ten times the energy of this one.
+    run = kerf("taylor_bar/taylor_bar.yaml", "parts.bar.mesh.cell_size=0.8 mm", "boundaries=[]",
+               "parts.bar.velocity=0.01 0.02 -0.005 m/s", "precision=single")
+    assert run.summary["cycles"] > 500
+    assert abs(run.summary["energy"]["balance_error"]) < 1e-9

@@ -31,8 +31,8 @@ struct ForceScale {
 /// arrays of elements are blocked: [block][component][lane]. All arrays begin on boundaries of 64 bytes. Lanes that
 /// hold no element point to dummy nodes and are computed like all others.
 ///
-/// `Real` is the type of what the element keeps of stress, geometry and itself: double, or float in a model with
-/// `precision: single`. Nodes, masses, energies and what laws keep are doubles in both.
+/// `Real` is the type of what the element keeps of stress and of itself: double, or float in a model with
+/// `precision: single`. Nodes, masses, volumes, energies and what laws keep are doubles in both.
 template <class Real>
 struct ElementArrays {
   // nodes
@@ -51,7 +51,7 @@ struct ElementArrays {
   int n_blocks = 0;
   const std::int32_t* nodes = nullptr;  // [block][8][lane]
   const double* mass = nullptr;  // [kg]
-  Real* volume = nullptr;  // [m3]
+  double* volume = nullptr;  // [m3]
   Real* deviator = nullptr;  // [block][6][lane] [Pa]
   Real* pressure = nullptr;  // with no bulk viscosity [Pa]
   double* internal_energy = nullptr;  // of the element, bulk viscosity's work included [J]
@@ -81,8 +81,15 @@ class Element : public Law {
 
   /// Whether the element has the two functions below. Where it has not, `precision: single` is an error of the input.
   virtual bool computes_in_single() const { return false; }
-  virtual void add_internal_forces_single(SingleElementWork&) const { throw std::logic_error("no single precision"); }
-  virtual void initialise_single(SingleElementWork&) const { throw std::logic_error("no single precision"); }
+  virtual void add_internal_forces_single(SingleElementWork&) const { refuse(); }
+  virtual void initialise_single(SingleElementWork&) const { refuse(); }
+
+ private:
+  [[noreturn]] static void refuse() {
+    throw std::logic_error(
+        "an element that computes in single precision has to override initialise_single and "
+        "add_internal_forces_single");
+  }
 };
 
 }  // namespace kerf

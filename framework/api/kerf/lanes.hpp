@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -42,6 +43,7 @@ template <class Real>
 inline constexpr int lanes_of = std::is_same_v<Real, float> ? single_lanes : register_lanes;
 template <class Real>
 inline constexpr int pieces_of = lane_width / lanes_of<Real>;
+inline constexpr int n_pieces = pieces_of<double>;
 
 /// Calls `work(first lane)` for every piece of a block. One piece of code serves all of them, so that no lane's
 /// arithmetic is contracted in another way than its neighbour's.
@@ -52,9 +54,10 @@ template <class Real = double, class Work>
 }
 
 inline Lanes lanes(double v) { return Lanes{} + v; }
-inline SingleLanes lanes(float v) { return SingleLanes{} + v; }
-/// Pre, here and below: `p` lies on a boundary of sizeof(Lanes). Rows of a block that are declared alignas(64) do on
-/// every machine, and so do the arrays of ElementWork.
+template <std::same_as<float> Number>  // and no whole numbers
+inline SingleLanes lanes(Number v) {
+  return SingleLanes{} + v;
+}
 namespace detail {
 template <class Vector, class Number>
 inline Vector load_vector(const Number* p) {
@@ -67,6 +70,8 @@ inline void store_vector(Number* p, Vector v) {
   std::memcpy(__builtin_assume_aligned(p, sizeof v), &v, sizeof v);
 }
 }  // namespace detail
+/// Pre, here and below: `p` lies on a boundary of the vector's size, or of 32 bytes where floats come from, or go to,
+/// doubles. Pieces of rows that are declared alignas(64) do on every machine, and so do the arrays of ElementArrays.
 inline Lanes load_lanes(const double* p) { return detail::load_vector<Lanes>(p); }
 inline LanesInt load_lanes(const std::int64_t* p) { return detail::load_vector<LanesInt>(p); }
 inline SingleLanes load_lanes(const float* p) { return detail::load_vector<SingleLanes>(p); }
@@ -171,7 +176,7 @@ inline unsigned mask_of(SingleLanesInt comparison) {
 
 inline constexpr double small_limit = 0x1p51;  // of round_small_to_int
 template <class Real>
-inline constexpr unsigned all_lanes_of = (1u << lanes_of<Real>)-1u;  // mask_of a comparison that holds everywhere
+inline constexpr unsigned all_lanes_of = (1u << (lanes_of<Real>)) - 1u;  // mask_of a comparison that holds everywhere
 inline constexpr unsigned all_lanes = all_lanes_of<double>;
 
 namespace detail {
@@ -363,22 +368,5 @@ template <int part>
                      static_cast<float>(v[1][1])};
 #endif
 }
-
-/// While it lives, floats too small for a full mantissa count as zero: ahead of every wave they would slow the
-/// arithmetic down by an order of magnitude. What is that small is below 1e-38.
-class FlushDenormals {
- public:
-#ifdef __SSE2__
-  FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040u); }
-  ~FlushDenormals() { _mm_setcsr(before_); }
-
- private:
-  unsigned before_;
-#else
-  FlushDenormals() {}
-#endif
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-};
 
 }  // namespace kerf

@@ -20,15 +20,6 @@ inline constexpr int n_doubles = std::is_empty_v<Struct> ? 0 : static_cast<int>(
 
 namespace detail {
 
-// Folds instead of loops: the compiler sees constant offsets and keeps the struct in registers.
-template <class Struct, std::size_t... I>
-inline void load_lane(Struct& s, const double* const* rows, int lane, std::index_sequence<I...>) {
-  ((reinterpret_cast<double*>(&s)[I] = rows[I][lane]), ...);
-}
-template <class Struct, std::size_t... I>
-inline void store_lane(const Struct& s, double* const* rows, int lane, std::index_sequence<I...>) {
-  ((rows[I][lane] = reinterpret_cast<const double*>(&s)[I]), ...);
-}
 template <class Struct>
 using indices = std::make_index_sequence<static_cast<std::size_t>(n_doubles<Struct>)>;
 
@@ -44,6 +35,7 @@ inline void set_tensor(double (&rows)[6][lane_width], int lane, SymTensor t) {
   rows[5][lane] = t.zx;
 }
 
+// Folds instead of loops, here and below: the compiler sees constant offsets and keeps the struct in registers.
 template <class Struct, std::size_t... I>
 [[gnu::always_inline]] inline Struct state_at([[maybe_unused]] const double* rows, [[maybe_unused]] int lane,
                                               std::index_sequence<I...>) {
@@ -51,12 +43,10 @@ template <class Struct, std::size_t... I>
   ((reinterpret_cast<double*>(&s)[I] = rows[I * lane_width + lane]), ...);
   return s;
 }
-template <class Struct, std::size_t... I>
-[[gnu::always_inline]] inline void set_state([[maybe_unused]] double* rows, [[maybe_unused]] int lane,
-                                             [[maybe_unused]] const Struct& s, std::index_sequence<I...>) {
-  ((rows[I * lane_width + lane] = reinterpret_cast<const double*>(&s)[I]), ...);
+template <class Struct>
+[[gnu::always_inline]] inline Struct state_at(const double* rows, int lane) {
+  return state_at<Struct>(rows, lane, indices<Struct>{});
 }
-
 /// A law's variables of one block, copied to the stack so that nothing aliases while the lanes are computed.
 template <class Struct>
 struct LaneVariables {

@@ -23,7 +23,7 @@ struct PointInputOf {
 using PointInput = PointInputOf<double>;
 
 /// One block of `lane_width` points, whose element computes with numbers of type `Real`. Rows have `lane_width`
-/// entries and begin on boundaries of 32 bytes; none overlaps another. State is kept in double precision always.
+/// entries; none overlaps another. State is kept in double precision always.
 template <class Real>
 struct MaterialRows {
   double dt = 0.0, reference_density = 0.0;
@@ -41,19 +41,29 @@ class Material : public Law {
   virtual void update(const MaterialBatch& batch) const = 0;
   /// The same for elements of a model with `precision: single`. By default the rows are converted, and update() called.
   [[gnu::noinline]] virtual void update_single(const SingleMaterialBatch& b) const {
-    alignas(64) double rows[16][lane_width];  // strain, deviator, density, energy, pressure, modulus
-    double(*const stress)[lane_width] = rows + 6;
+    alignas(64) double strain[6][lane_width], deviator[6][lane_width], density[lane_width], energy[lane_width],
+        pressure[lane_width], modulus[lane_width];
     for (int l = 0; l < lane_width; ++l) {
-      for (int k = 0; k < 6; ++k) rows[k][l] = b.strain_increment[k][l];
-      for (int k = 0; k < 6; ++k) stress[k][l] = b.deviator[k][l];
-      rows[12][l] = b.density[l];
-      rows[13][l] = b.specific_energy[l];
-      rows[14][l] = b.pressure[l];
+      for (int k = 0; k < 6; ++k) strain[k][l] = b.strain_increment[k][l];
+      for (int k = 0; k < 6; ++k) deviator[k][l] = b.deviator[k][l];
+      density[l] = b.density[l];
+      energy[l] = b.specific_energy[l];
+      pressure[l] = b.pressure[l];
     }
-    update({b.dt, b.reference_density, rows, rows[12], rows[13], rows[14], stress, b.state, rows[15]});
+    MaterialBatch wide;
+    wide.dt = b.dt;
+    wide.reference_density = b.reference_density;
+    wide.strain_increment = strain;
+    wide.density = density;
+    wide.specific_energy = energy;
+    wide.pressure = pressure;
+    wide.deviator = deviator;
+    wide.state = b.state;
+    wide.shear_modulus = modulus;
+    update(wide);
     for (int l = 0; l < lane_width; ++l) {
-      for (int k = 0; k < 6; ++k) b.deviator[k][l] = static_cast<float>(stress[k][l]);
-      b.shear_modulus[l] = static_cast<float>(rows[15][l]);
+      for (int k = 0; k < 6; ++k) b.deviator[k][l] = static_cast<float>(deviator[k][l]);
+      b.shear_modulus[l] = static_cast<float>(modulus[l]);
     }
   }
 };
@@ -65,17 +75,15 @@ class Material : public Law {
 /// both sides may be computed, the loop over the points vectorises.
 ///
 /// A law that is a template, `template <class Real> void update_point(const PointInputOf<Real>&, SymTensorOf<Real>&,
-/// State&, Real&) const`, computes with floats where the elements do. All others compute in double precision.
+/// State&, Real&) const`, and declares `static constexpr bool computes_in_single = true`, computes with floats where
+/// the elements do. All others compute in double precision.
 template <class LawType>
 class PointwiseMaterial : public Material {
  public:
   void update(const MaterialBatch& b) const final { update_rows<double>(b); }
   void update_single(const SingleMaterialBatch& b) const final {
-    using State = typename LawType::State;
-    constexpr bool takes_floats = requires(const LawType& law, SymTensorOf<float>& s, State& state, float& g) {
-      law.update_point(PointInputOf<float>{}, s, state, g);
-    };
-    update_rows<std::conditional_t<takes_floats, float, double>>(b);
+    constexpr bool in_single = requires { requires LawType::computes_in_single; };
+    update_rows<std::conditional_t<in_single, float, double>>(b);
   }
 
  private:
@@ -93,9 +101,8 @@ class PointwiseMaterial : public Material {
     const double* const old_state = b.state;
     // Results go to the stack first: stored where the law's constants might lie, they would make every lane compute
     // anew what follows from those.
-    constexpr int n_state = n_doubles<State>;
     alignas(64) Real stress[6][lane_width], modulus[lane_width];
-    alignas(64) double state[n_state > 0 ? n_state : 1][lane_width];
+    detail::LaneVariables<State> state;
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
       PointInputOf<Number> in;
@@ -108,7 +115,7 @@ class PointwiseMaterial : public Material {
       in.pressure = number(pressure[l]);
       SymTensorOf<Number> s = {number(old_stress[0][l]), number(old_stress[1][l]), number(old_stress[2][l]),
                                number(old_stress[3][l]), number(old_stress[4][l]), number(old_stress[5][l])};
-      State point = detail::state_at<State>(old_state, l, detail::indices<State>{});
+      State point = detail::state_at<State>(old_state, l);
       Number g = 0;
       law.update_point(in, s, point, g);
       stress[0][l] = real(s.xx);
@@ -117,14 +124,14 @@ class PointwiseMaterial : public Material {
       stress[3][l] = real(s.xy);
       stress[4][l] = real(s.yz);
       stress[5][l] = real(s.zx);
-      detail::set_state(state[0], l, point, detail::indices<State>{});
+      state.set(l, point);
       modulus[l] = real(g);
     };
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) one_point(l);
     std::memcpy(b.deviator, stress, sizeof stress);
     std::memcpy(b.shear_modulus, modulus, sizeof modulus);
-    if constexpr (n_state > 0) std::memcpy(b.state, state, sizeof state);
+    state.write(b.state);
   }
 };
 

@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <type_traits>
 
@@ -51,17 +52,25 @@ constexpr double select(bool c, double a, double b) {
   const auto mask = -static_cast<std::int64_t>(c);
   return std::bit_cast<double>((std::bit_cast<std::int64_t>(a) & mask) | (std::bit_cast<std::int64_t>(b) & ~mask));
 }
-constexpr float select(bool c, float a, float b) {
+// Of floats only where both are: whole numbers stay doubles.
+template <std::same_as<float> Number>
+constexpr Number select(bool c, Number a, Number b) {
   const auto mask = -static_cast<std::int32_t>(c);
   return std::bit_cast<float>((std::bit_cast<std::int32_t>(a) & mask) | (std::bit_cast<std::int32_t>(b) & ~mask));
 }
 constexpr double max_of(double a, double b) { return select(a > b, a, b); }
 constexpr double min_of(double a, double b) { return select(a < b, a, b); }
-constexpr float max_of(float a, float b) { return select(a > b, a, b); }
-constexpr float min_of(float a, float b) { return select(a < b, a, b); }
+template <std::same_as<float> Number>
+constexpr Number max_of(Number a, Number b) {
+  return select(a > b, a, b);
+}
+template <std::same_as<float> Number>
+constexpr Number min_of(Number a, Number b) {
+  return select(a < b, a, b);
+}
 constexpr double clamp_to(double value, double low, double high) { return min_of(max_of(value, low), high); }
 
-/// A number that makes no difference beside any other of its type, but is none to divide by.
+/// Keeps a denominator that may be zero from being it; far below all quantities in SI units.
 template <class Real>
 inline constexpr Real tiny = std::is_same_v<Real, float> ? Real(1e-37) : Real(1e-300);
 
@@ -78,19 +87,33 @@ struct SymTensorOf {
   }
   constexpr SymTensorOf operator*(Real s) const { return {xx * s, yy * s, zz * s, xy * s, yz * s, zx * s}; }
   friend constexpr SymTensorOf operator*(Real s, SymTensorOf a) { return a * s; }
-  friend constexpr Real double_dot(SymTensorOf a, SymTensorOf b) {
-    return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + Real(2) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
-  }
-  friend constexpr SymTensorOf deviator(SymTensorOf a) {
-    const Real mean = a.trace() * Real(1.0 / 3.0);
-    return {a.xx - mean, a.yy - mean, a.zz - mean, a.xy, a.yz, a.zx};
-  }
-  /// von Mises equivalent of a deviatoric stress, sqrt(3/2 s:s).
-  friend Real von_mises(SymTensorOf s) { return std::sqrt(Real(1.5) * double_dot(s, s)); }
-  /// Equivalent of a deviatoric strain, sqrt(2/3 e:e).
-  friend Real equivalent_strain(SymTensorOf e) { return std::sqrt(Real(2.0 / 3.0) * double_dot(e, e)); }
 };
 using SymTensor = SymTensorOf<double>;
+
+template <class Real>
+constexpr Real double_dot(SymTensorOf<Real> a, SymTensorOf<Real> b) {
+  return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + Real(2) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
+}
+template <class Real>
+constexpr SymTensorOf<Real> deviator(SymTensorOf<Real> a) {
+  const Real mean = a.trace() * Real(1.0 / 3.0);
+  return {a.xx - mean, a.yy - mean, a.zz - mean, a.xy, a.yz, a.zx};
+}
+/// von Mises equivalent of a deviatoric stress, sqrt(3/2 s:s).
+template <class Real>
+Real von_mises(SymTensorOf<Real> s) {
+  return std::sqrt(Real(1.5) * double_dot(s, s));
+}
+/// Equivalent of a deviatoric strain, sqrt(2/3 e:e).
+template <class Real>
+Real equivalent_strain(SymTensorOf<Real> e) {
+  return std::sqrt(Real(2.0 / 3.0) * double_dot(e, e));
+}
+// For tensors in braces, of which a template cannot tell the type.
+constexpr double double_dot(SymTensor a, SymTensor b) { return double_dot<double>(a, b); }
+constexpr SymTensor deviator(SymTensor a) { return deviator<double>(a); }
+inline double von_mises(SymTensor s) { return von_mises<double>(s); }
+inline double equivalent_strain(SymTensor e) { return equivalent_strain<double>(e); }
 
 struct Rotation {
   double xx = 1.0, xy = 0.0, xz = 0.0, yx = 0.0, yy = 1.0, yz = 0.0, zx = 0.0, zy = 0.0, zz = 1.0;
