@@ -45,15 +45,14 @@ class Kernel {
         Motion& piece = k[lane / lanes_of<Real>];
         gather(w.position, w.velocity, nodes_of(w, block, lane), piece);
         measure(piece);
-        for (int part = 0; part < n_wide<Real>; ++part)
-          store_lanes(at(w.volume, 1, block, 0, lane + part * register_lanes), piece.exact_volume[part]);
+        for (int part = 0; part < n_wide<Real>; ++part) {
+          const int l = lane + part * register_lanes;
+          const Lanes volume = piece.exact_volume[part];
+          store_lanes(at(w.volume, 1, block, 0, l), volume);
+          store_lanes(rows.exact_density + l, load_lanes(at(w.mass, 1, block, 0, l)) / volume);
+        }
         if (mask_of(~(piece.volume > Real(0.0))) != 0 && w.inverted_block < 0) w.inverted_block = block;
         store_lanes(rows.density + lane, load_lanes_as<Real>(at(w.mass, 1, block, 0, lane)) / piece.volume);
-        if constexpr (is_single)
-          for (int part = 0; part < n_wide<Real>; ++part) {
-            const int l = lane + part * register_lanes;
-            store_lanes(rows.exact_density + l, load_lanes(at(w.mass, 1, block, 0, l)) / piece.exact_volume[part]);
-          }
         for (int i = 0; i < 6; ++i) store_lanes(rows.deviator[i] + lane, load_lanes(at(w.deviator, 6, block, i, lane)));
       });
       update_material(w, block, rows);
@@ -99,8 +98,7 @@ class Kernel {
   struct Rows {
     Strain step;
     alignas(64) Real deviator[6][lane_width], density[lane_width], energy[lane_width], modulus[lane_width];
-    alignas(64) double exact_density[is_single ? lane_width : 1];  // for the EOS
-    alignas(64) double pressure[lane_width], bulk[lane_width];  // from it
+    alignas(64) double exact_density[lane_width], pressure[lane_width], bulk[lane_width];  // for the EOS, and from it
   };
   /// Sums over blocks.
   struct Totals {
@@ -167,10 +165,7 @@ class Kernel {
     alignas(64) double wide[lane_width];
     EosBatch e;
     e.reference_density = w.reference_density;
-    if constexpr (is_single)
-      e.density = rows.exact_density;
-    else
-      e.density = rows.density;
+    e.density = rows.exact_density;
     e.specific_energy = widen(rows.energy, wide);
     e.state = at(w.eos_state, w.n_eos_state, block, 0, 0);
     e.pressure = rows.pressure;
@@ -243,31 +238,30 @@ class Kernel {
   /// An element without volume keeps its state; it is eroded below, or stops the run. In single precision the new
   /// volume, its change, and the density that the equation of state will see are of double precision.
   [[gnu::always_inline]] static void update_volume(const Work& w, int block, int lane, Piece& p, Rows& rows) {
-    const auto upright = p.k.volume > Real(0.0);
-    p.good = upright ? lanes(Real(1.0)) : V{};
-    if constexpr (is_single) {
-      constexpr int n = n_wide<float>;
-      Lanes volume[n], old_volume[n], change[n], per_volume[n];
-      for (int part = 0; part < n; ++part) {
-        const int l = lane + part * register_lanes;
-        double* stored = at(w.volume, 1, block, 0, l);
-        old_volume[part] = load_lanes(stored);
-        volume[part] = p.k.exact_volume[part] > 0.0 ? p.k.exact_volume[part] : old_volume[part];
-        change[part] = volume[part] - old_volume[part];
-        store_lanes(stored, volume[part]);
-        per_volume[part] = 1.0 / volume[part];
-        store_lanes(rows.exact_density + l, load_lanes(at(w.mass, 1, block, 0, l)) * per_volume[part]);
-      }
-      p.per_volume = narrowed(per_volume);
-      p.volume = narrowed(volume);
-      p.old_volume = narrowed(old_volume);
-      p.volume_change = narrowed(change);
-    } else {
-      p.old_volume = load_lanes(at(w.volume, 1, block, 0, lane));
-      p.volume = upright ? p.k.volume : p.old_volume;
-      p.volume_change = p.volume - p.old_volume;
-      p.per_volume = 1.0 / p.volume;
+    p.good = p.k.volume > Real(0.0) ? lanes(Real(1.0)) : V{};
+    constexpr int n = n_wide<Real>;
+    Lanes volume[n], old_volume[n], change[n], per_volume[n];
+    for (int part = 0; part < n; ++part) {
+      const int l = lane + part * register_lanes;
+      double* stored = at(w.volume, 1, block, 0, l);
+      old_volume[part] = load_lanes(stored);
+      volume[part] = p.k.exact_volume[part] > 0.0 ? p.k.exact_volume[part] : old_volume[part];
+      change[part] = volume[part] - old_volume[part];
+      store_lanes(stored, volume[part]);
+      per_volume[part] = 1.0 / volume[part];
+      store_lanes(rows.exact_density + l, load_lanes(at(w.mass, 1, block, 0, l)) * per_volume[part]);
     }
+    p.per_volume = joined(per_volume);
+    p.volume = joined(volume);
+    p.old_volume = joined(old_volume);
+    p.volume_change = joined(change);
+  }
+  /// In the precision of the kernel.
+  [[gnu::always_inline]] static V joined(const Lanes (&v)[n_wide<Real>]) {
+    if constexpr (is_single)
+      return narrowed(v);
+    else
+      return v[0];
   }
 
   /// From nodal motion to the strain of the step and the rotated deviator.
@@ -347,22 +341,21 @@ class Kernel {
     store_lanes(rows.energy + lane, centred * p.per_mass);
   }
 
-  /// Energies, pressure and volume at the end of the step, and the stable step with the viscosity's share.
+  /// Energies and pressure at the end of the step, and the stable step with the viscosity's share.
   [[gnu::always_inline]] void finish_state(Work& w, int block, int lane, Piece& p, const Rows& rows) const {
     p.p = load_lanes_as<Real>(rows.pressure + lane);
     const V old_pressure = load_lanes(at(w.pressure, 1, block, 0, lane));
     double *internal_energy = at(w.internal_energy, 1, block, 0, lane),
            *viscous_energy = at(w.viscous_energy, 1, block, 0, lane);
     const V pressure_work = Real(0.5) * (old_pressure + p.p) * p.volume_change;
-    if constexpr (std::is_same_v<Real, double>) {
-      store_lanes(internal_energy, p.old_energy + p.work + p.viscous_work - pressure_work);
-      store_lanes(viscous_energy, load_lanes(viscous_energy) + p.viscous_work);
-    } else {
+    if constexpr (is_single) {
       add_lanes(internal_energy, p.work + p.viscous_work - pressure_work);
       add_lanes(viscous_energy, p.viscous_work);
+    } else {
+      store_lanes(internal_energy, p.old_energy + p.work + p.viscous_work - pressure_work);
+      store_lanes(viscous_energy, load_lanes(viscous_energy) + p.viscous_work);
     }
     store_lanes(at(w.pressure, 1, block, 0, lane), p.p);
-    if constexpr (!is_single) store_lanes(at(w.volume, 1, block, 0, lane), p.volume);
     const V fastest2 =
         p.c * p.c + breathing(p.k, load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
     p.stable = p.k.length / (p.viscosity + sqrt_of(p.viscosity * p.viscosity + fastest2));
