@@ -4,6 +4,8 @@
 # From an installed or built Kerf (find_package(Kerf)): makes a shared library that `kerf run --plugin` loads.
 #   ENGINE  in tree only: the plugin may include the framework as well (mesh generators, boundaries, measures)
 #   LINK    further targets the file needs, for example a partitioning library
+# Where there is a folder of the same name beside the file, every FILE/*.cpp is compiled as well and becomes part of the
+# plugin: for code that is better compiled in several pieces.
 
 define_property(GLOBAL PROPERTY KERF_PLUGIN_ENTRIES BRIEF_DOCS "registration functions of the built-in plugins")
 define_property(GLOBAL PROPERTY KERF_PLUGIN_TARGETS BRIEF_DOCS "object libraries of the built-in plugins")
@@ -19,20 +21,23 @@ function(kerf_add_plugin file)
     message(FATAL_ERROR "kerf_add_plugin: there is no file ${path}")
   endif()
   cmake_path(GET path STEM stem)
+  cmake_path(REMOVE_EXTENSION path LAST_ONLY OUTPUT_VARIABLE pieces)
+  file(GLOB pieces CONFIGURE_DEPENDS "${pieces}/*.cpp")
+  list(SORT pieces)
   if(TARGET kerf_options)
-    kerf_add_builtin_plugin("${path}" "${stem}" "${arg_ENGINE}" "${arg_LINK}")
+    kerf_add_builtin_plugin("${path}" "${stem}" "${pieces}" "${arg_ENGINE}" "${arg_LINK}")
   else()
-    kerf_add_shared_plugin("${path}" "${stem}" "${arg_LINK}")
+    kerf_add_shared_plugin("${path}" "${stem}" "${pieces}" "${arg_LINK}")
   endif()
 endfunction()
 
 # The folder is part of the name: a material and an erosion criterion may well share a file name.
-function(kerf_add_builtin_plugin path stem engine link)
+function(kerf_add_builtin_plugin path stem pieces engine link)
   cmake_path(GET path PARENT_PATH folder)
   cmake_path(GET folder FILENAME folder)
   string(MAKE_C_IDENTIFIER "${folder}_${stem}" id)
   set(target kerf_plugin_${id})
-  add_library(${target} OBJECT "${path}")
+  add_library(${target} OBJECT "${path}" ${pieces})
   target_link_libraries(${target} PRIVATE kerf_options kerf_api ${link})
   if(engine)
     target_link_libraries(${target} PRIVATE kerf_engine_headers)
@@ -43,9 +48,9 @@ function(kerf_add_builtin_plugin path stem engine link)
   set_property(GLOBAL APPEND PROPERTY KERF_PLUGIN_LINKS ${link})
 endfunction()
 
-function(kerf_add_shared_plugin path stem link)
+function(kerf_add_shared_plugin path stem pieces link)
   if(NOT TARGET ${stem})
-    add_library(${stem} MODULE "${path}")
+    add_library(${stem} MODULE "${path}" ${pieces})
   else()
     message(FATAL_ERROR "kerf_add_plugin: a target named ${stem} exists already; rename ${path}")
   endif()

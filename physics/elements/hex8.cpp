@@ -6,12 +6,11 @@
 // numerical integration of rate constitutive equations", IJNME 15 (1980) 1862-1867; J. von Neumann &
 // R.D. Richtmyer, J. Appl. Phys. 21 (1950) 232 and R. Landshoff, LA-1930 (1955) for the bulk viscosity;
 // D.P. Flanagan & T. Belytschko, J. Appl. Mech. 51 (1984) 35-40 for the eigenvalue bound of the time step.
-#include "hex8_kernel.hpp"
+#include "hex8/control.hpp"
 
 namespace {
 
 using namespace kerf;
-using namespace kerf::hex8;
 
 struct Hex8 final : Element {
   std::string hourglass, stable_step;
@@ -47,24 +46,19 @@ struct Hex8 final : Element {
     return all;
   }
 
-  void add_internal_forces(ElementWork& work) const override { run(work); }
-  void initialise(ElementWork& work) const override { Kernel<double>(control()).initialise(work); }
+  void add_internal_forces(ElementWork& work) const override { hex8::add_internal_forces(control(), work); }
+  void initialise(ElementWork& work) const override { hex8::initialise(control(), work); }
 
   bool computes_in_single() const override { return true; }
-  void add_internal_forces_single(SingleElementWork& work) const override { run(work); }
-  void initialise_single(SingleElementWork& work) const override { Kernel<float>(control()).initialise(work); }
+  void add_internal_forces_single(SingleElementWork& work) const override {
+    hex8::add_internal_forces(control(), work);
+  }
+  void initialise_single(SingleElementWork& work) const override { hex8::initialise(control(), work); }
 
  private:
-  template <class Real>
-  void run(ElementArrays<Real>& work) const {
-    const Kernel<Real> kernel(control());
-    if (hourglass == "stiffness")
-      kernel.template run<true>(work);
-    else
-      kernel.template run<false>(work);
-  }
-  Control control() const {
-    return {stable_step == "free_element", hourglass_coefficient, linear_viscosity, quadratic_viscosity};
+  hex8::Control control() const {
+    return {stable_step == "free_element", hourglass == "stiffness", hourglass_coefficient, linear_viscosity,
+            quadratic_viscosity};
   }
 };
 

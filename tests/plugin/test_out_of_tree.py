@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -56,17 +57,20 @@ def compile_library(source, library, *flags):
     return library
 
 
-@pytest.fixture(scope="module")
-def plugin(tmp_path_factory):
-    """swift_material.so, built as its author would."""
-    folder = tmp_path_factory.mktemp("plugin")
-    done = call("cmake", "-G", "Ninja", "-S", HERE / "out_of_tree", "-B", folder, f"-DKerf_DIR={BUILD}",
+def build(source, folder):
+    """The plugin of a source folder, built as its author would."""
+    done = call("cmake", "-G", "Ninja", "-S", source, "-B", folder, f"-DKerf_DIR={BUILD}",
                 f"-DCMAKE_CXX_COMPILER={cached('CMAKE_CXX_COMPILER')}")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "refuse to load" not in done.stderr, "compilers differ"
     done = call("cmake", "--build", folder)
     assert done.returncode == 0, done.stdout + done.stderr
     return folder / "swift_material.so"
+
+
+@pytest.fixture(scope="module")
+def plugin(tmp_path_factory):
+    return build(HERE / "out_of_tree", tmp_path_factory.mktemp("plugin"))
 
 
 @pytest.fixture(scope="module")
@@ -114,6 +118,22 @@ def test_state_of_the_plugin_is_the_same_on_any_number_of_ranks(plugin, case, tm
     hashes = {n: run(case, plugin, tmp_path / f"ranks_{n}", "--ranks", n, "--set", "balance.force_interval=40")
               ["state_hash"] for n in (1, 2, 3)}
     assert len(set(hashes.values())) == 1, hashes
+
+
+def test_pieces_in_a_folder_of_its_name_belong_to_a_plugin(plugin, case, tmp_path):
+    source, pieces = tmp_path / "source", tmp_path / "source" / "swift_material"
+    shutil.copytree(HERE / "out_of_tree", source)
+    pieces.mkdir()
+    (pieces / "texts.cpp").write_text('const char* modulus_text() { return "resistance to shear, from a piece"; }\n')
+    law = (source / "swift_material.cpp").read_text()
+    text = '"elastic shear modulus"'
+    assert text in law
+    law = law.replace(text, "modulus_text()").replace("namespace {", "const char* modulus_text();\n\nnamespace {", 1)
+    (source / "swift_material.cpp").write_text(law)
+    # Where the piece is missing, a name is unknown and the library is not loaded.
+    library = build(source, tmp_path / "build")
+    assert "from a piece" in call(KERF, "describe", "swift", "--plugin", library).stdout
+    assert run(case, library, tmp_path / "two")["state_hash"] == run(case, plugin, tmp_path / "one")["state_hash"]
 
 
 def test_in_single_precision_it_computes_in_double_precision_as_ever(plugin, case, tmp_path):

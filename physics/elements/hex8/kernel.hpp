@@ -6,22 +6,17 @@
 // state and criteria get rows of doubles, materials rows of floats. Forces and energies are rounded to whole quanta of
 // 64 bits in both.
 //
-// Sources: see hex8.cpp.
+// Sources: see ../hex8.cpp.
 #pragma once
 
 #include <algorithm>
 #include <bit>
 #include <limits>
 
-#include "hex8_kinematics.hpp"
+#include "control.hpp"
+#include "kinematics.hpp"
 
 namespace kerf::hex8 {
-
-/// What the user chooses; see hex8.cpp.
-struct Control {
-  bool free_element = false;
-  double hourglass_coefficient = 0.0, linear_viscosity = 0.0, quadratic_viscosity = 0.0;
-};
 
 template <class Real>
 class Kernel {
@@ -33,6 +28,7 @@ class Kernel {
 
   explicit Kernel(const Control& control)
       : free_element_(control.free_element),
+        stiffness_(control.stiffness),
         hourglass_coefficient_(static_cast<Real>(control.hourglass_coefficient)),
         linear_viscosity_(static_cast<Real>(control.linear_viscosity)),
         quadratic_viscosity_(static_cast<Real>(control.quadratic_viscosity)) {}
@@ -71,12 +67,11 @@ class Kernel {
     }
   }
 
-  template <bool stiffness>
   void run(Work& w) const {
     Totals totals;
     for (int block = 0; block < w.n_blocks; ++block) {
       fetch_ahead(w, block);
-      update_block<stiffness>(w, block, totals);
+      update_block(w, block, totals);
     }
     for (int l = 0; l < lane_width; ++l) w.hourglass_energy += totals.hourglass_energy[l];
   }
@@ -204,7 +199,6 @@ class Kernel {
     }
   }
 
-  template <bool stiffness>
   [[gnu::always_inline]] void update_block(Work& w, int block, Totals& totals) const {
     Piece pieces[pieces_of<Real>];
     Rows rows;
@@ -231,7 +225,7 @@ class Kernel {
       if (inverted != 0 && w.inverted_block < 0) w.inverted_block = block;
       const V live = load_lanes(alive + lane) * p.good;
       note_step(w, block, lane, live > Real(0.0) ? p.stable : lanes(std::numeric_limits<Real>::max()));
-      add_forces<stiffness>(w, block, lane, p, rows.step, live, totals);
+      add_forces(w, block, lane, p, rows.step, live, totals);
     });
   }
 
@@ -390,7 +384,6 @@ class Kernel {
 
   /// f_I = -(sigma - hourglass correction) B_I - hourglass, in quanta; the last node takes minus the others'
   /// sum, so that an element's forces add up to nothing exactly.
-  template <bool stiffness>
   [[gnu::always_inline]] void add_forces(Work& w, int block, int lane, const Piece& p, const Strain& step, V alive,
                                          Totals& totals) const {
     const Motion& k = p.k;
@@ -404,7 +397,7 @@ class Kernel {
         for (int j = 0; j < 3; ++j) rate[i][a] -= k.velocity_gradient[i][j] * shape[j][a];
 
     V resist[3][4];
-    if constexpr (stiffness)
+    if (stiffness_)
       resist_displacement(w, block, lane, p, step, rate, alive, resist, totals);
     else
       resist_velocity(w, block, lane, p, rate, alive, resist, totals);
@@ -517,7 +510,7 @@ class Kernel {
     book_hourglass(w, lane, work, alive, totals);
   }
 
-  bool free_element_;
+  bool free_element_, stiffness_;
   Real hourglass_coefficient_, linear_viscosity_, quadratic_viscosity_;
 };
 

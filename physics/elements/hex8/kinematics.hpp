@@ -2,7 +2,7 @@
 // step, hourglass modes, strain and rotation of a step. For a piece of a block: as many elements as a register holds,
 // with numbers of type `Real`, double or float.
 //
-// Sources: see hex8.cpp.
+// Sources: see ../hex8.cpp.
 #pragma once
 
 #include <kerf/element.hpp>
