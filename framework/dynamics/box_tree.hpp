@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #ifdef __AVX__
@@ -31,6 +32,14 @@ class BoxGroup {
       high_[d][lane] = std::max(high_[d][lane], box.high[d]);
     }
   }
+  Box box(int lane) const {
+    Box one;
+    for (int d = 0; d < 3; ++d) {
+      one.low[d] = low_[d][lane];
+      one.high[d] = high_[d][lane];
+    }
+    return one;
+  }
   /// The smallest box round all of them.
   Box hull() const {
     Box all;
@@ -47,7 +56,7 @@ class BoxGroup {
     for (unsigned left = meeting(box); left != 0; left &= left - 1) visit(std::countr_zero(left));
   }
   /// Bit l is set where box l meets another one.
-  unsigned meeting(const Box& box) const {
+  [[gnu::always_inline]] unsigned meeting(const Box& box) const {
     return bits_of((low_[0] <= box.high[0]) & (high_[0] >= box.low[0]) & (low_[1] <= box.high[1]) &
                    (high_[1] >= box.low[1]) & (low_[2] <= box.high[2]) & (high_[2] >= box.low[2]));
   }
@@ -101,24 +110,10 @@ class BoxTree {
       group /= BoxGroup::size;
     }
   }
-  /// Calls `visit(branch)` for all branches whose common box meets a box: for what is to be asked for several boxes
-  /// that are close together. A branch is a group of groups of boxes.
-  template <class Visit>
-  void each_branch(const Box& box, const Visit& visit) const {
-    if (!leaves_.empty()) descend(static_cast<int>(levels_.size()) - 1, 0, 0, box, visit);
-  }
-  /// Calls `visit(number)` for all of a branch whose boxes meet a box.
-  template <class Visit>
-  void each_in(std::size_t branch, const Box& box, const Visit& visit) const {
-    if (levels_.empty()) return each_in_group(branch, box, visit);
-    levels_[0][branch].each_meeting(
-        box, [&](int l) { each_in_group(branch * BoxGroup::size + static_cast<std::size_t>(l), box, visit); });
-  }
+  /// Calls `visit(number)`, or `visit(number, its box)`, for all whose boxes meet a box.
   template <class Visit>
   void each(const Box& box, const Visit& visit) const {
-    if (!leaves_.empty())
-      descend(static_cast<int>(levels_.size()) - 1, -1, 0, box,
-              [&](std::size_t group) { each_in_group(group, box, visit); });
+    if (!leaves_.empty()) descend(static_cast<int>(levels_.size()) - 1, 0, box, visit);
   }
   /// Whether any meets a box.
   bool meets(const Box& box) const {
@@ -134,15 +129,20 @@ class BoxTree {
   }
   template <class Visit>
   void each_in_group(std::size_t group, const Box& box, const Visit& visit) const {
-    leaves_[group].each_meeting(box, [&](int l) { visit(group * BoxGroup::size + static_cast<std::size_t>(l)); });
-  }
-  /// Down to the groups of a level; -1 are the leaves, and what there is where there is one leaf only.
-  template <class Visit>
-  void descend(int level, int last, std::size_t group, const Box& box, const Visit& visit) const {
-    if (level <= last) return visit(group);
-    levels_[static_cast<std::size_t>(level)][group].each_meeting(box, [&](int l) {
-      descend(level - 1, last, group * BoxGroup::size + static_cast<std::size_t>(l), box, visit);
+    leaves_[group].each_meeting(box, [&](int l) {
+      const std::size_t number = group * BoxGroup::size + static_cast<std::size_t>(l);
+      if constexpr (std::is_invocable_v<Visit, std::size_t, Box>)
+        visit(number, leaves_[group].box(l));
+      else
+        visit(number);
     });
+  }
+  /// Down to the leaves.
+  template <class Visit>
+  void descend(int level, std::size_t group, const Box& box, const Visit& visit) const {
+    if (level < 0) return each_in_group(group, box, visit);
+    levels_[static_cast<std::size_t>(level)][group].each_meeting(
+        box, [&](int l) { descend(level - 1, group * BoxGroup::size + static_cast<std::size_t>(l), box, visit); });
   }
   bool meets_below(int level, std::size_t group, const Box& box) const {
     if (level < 0) return leaves_[group].meeting(box) != 0;

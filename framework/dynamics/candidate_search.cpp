@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <utility>
 
 #include "core/assert.hpp"
@@ -22,6 +23,36 @@ struct PartFacets {
   void finish() {
     others.finish();
     own.finish();
+  }
+};
+
+/// Facets that one cluster of slaves meets, to be compared with each of its slaves without a search in the tree.
+struct NearbyFacets {
+  std::vector<std::int32_t> facet;
+  std::vector<BoxGroup> boxes;
+
+  void clear() {
+    facet.clear();
+    boxes.clear();
+  }
+  void add(std::int32_t f, const Box& box) {
+    const auto lane = static_cast<int>(facet.size() % BoxGroup::size);
+    if (lane == 0) boxes.emplace_back();
+    boxes.back().set(lane, box);
+    facet.push_back(f);
+  }
+  /// Calls `visit(facet)` for all that meet a box. All answers of some groups are there before the first visit: whether
+  /// one group has any is what no processor can predict.
+  template <class Visit>
+  void each(const Box& box, const Visit& visit) const {
+    constexpr std::size_t some = 64 / BoxGroup::size;
+    for (std::size_t first = 0; first < boxes.size(); first += some) {
+      std::uint64_t meeting = 0;
+      for (std::size_t g = first; g < std::min(first + some, boxes.size()); ++g)
+        meeting |= std::uint64_t{boxes[g].meeting(box)} << (BoxGroup::size * (g - first));
+      for (; meeting != 0; meeting &= meeting - 1)
+        visit(facet[BoxGroup::size * first + static_cast<std::size_t>(std::countr_zero(meeting))]);
+    }
   }
 };
 
@@ -58,7 +89,7 @@ struct CandidateSearch::Tables : SearchRecords {
   std::vector<PartFacets> parts;
   std::vector<std::int32_t> place_in_tree;  // per facet: in its part's trees, or -1
   std::vector<std::int32_t> late;  // facets that the trees have not, or not in their present size
-  std::vector<std::size_t> branches;  // of a tree, that a cluster meets; kept for its memory
+  NearbyFacets nearby;  // facets that a cluster meets; kept for its memory
   std::vector<SlaveCluster> clusters;
   std::vector<std::int32_t> place;  // per slave: its number in the next two, SlaveCluster::size to each cluster
   BoxTree slave_boxes, slave_own_boxes;
@@ -223,15 +254,15 @@ struct CandidateSearch::Tables : SearchRecords {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == part;
       if (!(own ? among_own : among_others)) continue;
-      const BoxTree& tree = own ? parts[p].own : parts[p].others;
-      branches.clear();
-      tree.each_branch(own ? cluster.own_box : cluster.box, [&](std::size_t b) { branches.push_back(b); });
-      if (branches.empty()) continue;
+      nearby.clear();
+      (own ? parts[p].own : parts[p].others).each(own ? cluster.own_box : cluster.box, [&](std::size_t k, const Box& box) {
+        nearby.add(parts[p].facet[k], box);
+      });
+      if (nearby.facet.empty()) continue;
       for (const std::int32_t s : cluster.slaves) {
         bool marked = false;
-        for (const std::size_t b : branches)
-          tree.each_in(b, own ? slaves[s].own_box : slaves[s].box,
-                       [&](std::size_t k) { meet(static_cast<std::size_t>(s), parts[p].facet[k], own, marked); });
+        nearby.each(own ? slaves[s].own_box : slaves[s].box,
+                    [&](std::int32_t f) { meet(static_cast<std::size_t>(s), f, own, marked); });
       }
     }
     for (const std::int32_t s : cluster.slaves) settle(s);
@@ -336,24 +367,19 @@ struct CandidateSearch::Tables : SearchRecords {
   }
   /// Takes out the facets of some elements; their corners are added to `affected`.
   void kill(const std::vector<std::int64_t>& elements, std::vector<std::int32_t>& affected) {
-    std::vector<std::int64_t> dead = elements;
-    std::sort(dead.begin(), dead.end());
-    // Most facets are none of theirs, which a few bits of their ids tell.
-    constexpr std::int64_t few = 4096;
-    std::vector<char> maybe(few, 0);
-    for (const std::int64_t id : dead) maybe[static_cast<std::size_t>(id % few)] = 1;
-    for (std::size_t f = 0; f < ids.size(); ++f) {
-      const std::int64_t element = ids[f] / 8;
-      if (maybe[static_cast<std::size_t>(element % few)] == 0 || role[f] == 0) continue;
-      if (!std::binary_search(dead.begin(), dead.end(), element)) continue;
-      role[f] = 0;
-      uproot(static_cast<std::int32_t>(f));
-      rows.drop_facet(static_cast<std::int32_t>(f));
-      for (int k = 0; k < 4; ++k) {
-        around.remove(corners[f][k], static_cast<std::int32_t>(f));
-        affected.push_back(corners[f][k]);
+    for (const std::int64_t element : elements)
+      for (int face = 0; face < 6; ++face) {
+        const std::size_t number_of_it = number_of_facet(element * 8 + face);
+        if (number_of_it == facets.size() || role[number_of_it] == 0) continue;
+        const auto f = static_cast<std::int32_t>(number_of_it);
+        role[f] = 0;
+        uproot(f);
+        rows.drop_facet(f);
+        for (int k = 0; k < 4; ++k) {
+          around.remove(corners[f][k], f);
+          affected.push_back(corners[f][k]);
+        }
       }
-    }
   }
   void add(const ContactFacetRecord& facet, std::vector<std::int32_t>& affected) {
     const auto f = static_cast<std::int32_t>(facets.size());

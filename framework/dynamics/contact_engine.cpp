@@ -101,7 +101,7 @@ void ContactEngine::add_slave(const Model& model, std::size_t tracked, std::vect
   if (r.role == 0) return;
   r.id = nodes.id[t.node];
   r.box = t.box;
-  r.own_box = t.own_box;
+  r.own_box = own_boxes_[tracked];
   r.home = home_[tracked];
   r.local = t.node;
   r.part = t.part;
@@ -130,11 +130,11 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   Vec3 x[4], undeformed[4];
   for (int k = 0; k < 4; ++k) {
     KERF_ASSERT(track_of_[r.locals[k]] >= 0, "the corners of a facet that takes part are tracked");
-    const Tracked& t = tracked_[track_of_[r.locals[k]]];
+    const std::int32_t track = track_of_[r.locals[k]];
     x[k] = nodes.x(r.locals[k]);
-    undeformed[k] = undeformed_[track_of_[r.locals[k]]];
-    r.box.include(t.box);
-    r.own_box.include(t.own_box);
+    undeformed[k] = undeformed_[track];
+    r.box.include(tracked_[track].box);
+    r.own_box.include(own_boxes_[track]);
   }
   const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
   // Facets may shrink, which makes elements thicker.
@@ -291,6 +291,7 @@ void ContactEngine::search(Model& model, const Step& step) {
   horizon_ = search_time_ + static_cast<double>(law_.search_interval + 1) * step.dt;
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
+  own_boxes_.clear();
   home_.clear();
   undeformed_.clear();
   std::vector<ContactNodeRecord> slaves;
@@ -311,13 +312,11 @@ bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_l
   std::vector<ContactNodeRecord> slaves;
   std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
   for (const auto& [k, boxes] : strays_) {
-    foresee(model, tracked_[k], step.end(), boxes);
+    foresee(model, static_cast<std::size_t>(k), step.end(), boxes);
     stray[tracked_[k].node] = 1;
     add_slave(model, static_cast<std::size_t>(k), slaves);
   }
-  std::vector<ExteriorFacet> round;
-  for (const ExteriorFacet& f : model.surface.exterior(model))
-    if ((stray[f.nodes[0]] | stray[f.nodes[1]] | stray[f.nodes[2]] | stray[f.nodes[3]]) != 0) round.push_back(f);
+  std::vector<ExteriorFacet> round = model.surface.exterior_round(model, stray);
   drop_mirrored(model, round);
   std::vector<ContactFacetRecord> facets = collect_facets(model, round);
   if (model.n_ranks() > 1) {
@@ -400,8 +399,8 @@ void ContactEngine::pull(const Model& model) {
   }
   for (std::size_t i = 0; i < found_->node_local.size(); ++i) {
     const auto n = static_cast<std::size_t>(found_->node_local[i]);
-    std::copy_n(&model.nodes.position[4 * n], 4, &position_[4 * i]);
-    std::copy_n(&model.nodes.velocity[4 * n], 4, &velocity_[4 * i]);
+    std::memcpy(&position_[4 * i], &model.nodes.position[4 * n], 4 * sizeof(double));
+    std::memcpy(&velocity_[4 * i], &model.nodes.velocity[4 * n], 4 * sizeof(double));
   }
 }
 

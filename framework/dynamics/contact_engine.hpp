@@ -48,9 +48,9 @@ class ContactEngine {
   std::vector<std::string> initial_penetrations(Model& model);
 
  private:
-  /// Where a node may be before the candidates become incomplete.
+  /// Where a node may be before the candidates become incomplete, seen from the common frame.
   struct Tracked {
-    Box box, own_box;
+    Box box;
     std::int32_t node = 0, part = 0;
   };
   static constexpr unsigned in_common_frame = 1, in_own_frame = 2;
@@ -68,7 +68,7 @@ class ContactEngine {
   void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
   std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   Box whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const;
-  void foresee(const Model& model, Tracked& t, double time, unsigned boxes = in_common_frame | in_own_frame) const;
+  void foresee(const Model& model, std::size_t tracked, double time, unsigned boxes = in_common_frame | in_own_frame);
   bool track(const Model& model, int node, double time);
   bool takes_free(const Model& model, int node) const;
   void choose_references(const Model& model, const std::vector<std::int32_t>& surface);
@@ -102,6 +102,7 @@ class ContactEngine {
   std::vector<Vec3> part_velocities_;  // the same of each part's [m/s]
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
+  std::vector<Box> own_boxes_;  // of the tracked nodes, seen from the frames of their parts
   std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank
   std::vector<Vec3> undeformed_;  // positions of the tracked nodes [m]
   std::vector<Stray> strays_;

@@ -91,22 +91,24 @@ void ContactEngine::choose_references(const Model& model, const std::vector<std:
 
 /// The box of a node that is at a position at a time and may change its velocity somewhat, until the next search, seen
 /// from a frame.
-Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const {
+[[gnu::always_inline]] inline Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const {
   const Vec3 here = position - frame * (time - search_time_);
   Vec3 way = (velocity - frame) * std::max(horizon_ - time, 0.0);  // steps may have grown
   // Bounded: one racing node must not make boxes that hold the whole model. It will call for a search sooner.
-  const double length = norm(way), most = farthest * slack_;
-  if (length > most) way = way * (most / length);
+  const double square = dot(way, way), most = farthest * slack_;
+  if (square > most * most) [[unlikely]]
+    way = way * (most / std::sqrt(square));
   return Box::spanned(here, here + way, margin);
 }
 
 /// Foresees where a node may be until the next search or renewal.
-void ContactEngine::foresee(const Model& model, Tracked& t, double time, unsigned boxes) const {
+void ContactEngine::foresee(const Model& model, std::size_t tracked, double time, unsigned boxes) {
+  Tracked& t = tracked_[tracked];
   const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node), own = part_velocities_[t.part];
   const double left = std::max(horizon_ - time, 0.0);
   const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
   if ((boxes & in_common_frame) != 0) t.box = whereabouts(x, v, drift_velocity_, margin, time);
-  if ((boxes & in_own_frame) != 0) t.own_box = whereabouts(x, v, own, margin, time);
+  if ((boxes & in_own_frame) != 0) own_boxes_[tracked] = whereabouts(x, v, own, margin, time);
 }
 
 /// Adds a node to the tracked ones. False where it has no role in this contact.
@@ -115,13 +117,15 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   Tracked t;
   t.node = node;
   t.part = model.nodes.part[node];
-  foresee(model, t, time);
-  // A run that has become unstable must come as far as to the check that says so.
-  const Vec3 centre{t.box.centre(0), t.box.centre(1), t.box.centre(2)};
-  home_.push_back(norm(centre) < beyond ? centre : Vec3{});
-  undeformed_.push_back(reference_position(model, model.nodes.id[node]));
   track_of_[node] = static_cast<std::int32_t>(tracked_.size());
   tracked_.push_back(t);
+  own_boxes_.emplace_back();
+  foresee(model, tracked_.size() - 1, time);
+  // A run that has become unstable must come as far as to the check that says so.
+  const Box& box = tracked_.back().box;
+  const Vec3 centre{box.centre(0), box.centre(1), box.centre(2)};
+  home_.push_back(norm(centre) < beyond ? centre : Vec3{});
+  undeformed_.push_back(reference_position(model, model.nodes.id[node]));
   return true;
 }
 
@@ -147,7 +151,7 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
       return &model.nodes.position[4 * static_cast<std::size_t>(tracked_[of].node)];
     };
     __builtin_prefetch(position(std::min(k + ahead, tracked_.size() - 1)));
-    if (!common.sees_in(t.box, position(k)) || (has_own[t.part] && !own[t.part].sees_in(t.own_box, position(k))))
+    if (!common.sees_in(t.box, position(k)) || (has_own[t.part] && !own[t.part].sees_in(own_boxes_[k], position(k))))
       strays_.push_back({static_cast<std::int32_t>(k), in_common_frame | in_own_frame});
   }
 }
@@ -163,7 +167,7 @@ void ContactEngine::find_outgrown(const Model& model, const Step& step) {
     unsigned outgrown = 0;
     if (!t.box.contains(whereabouts(x, v, drift_velocity_, margin, step.end()))) outgrown |= in_common_frame;
     if (!has_own[t.part] && outgrown != 0) outgrown |= in_own_frame;
-    if (has_own[t.part] && !t.own_box.contains(whereabouts(x, v, part_velocities_[t.part], margin, step.end())))
+    if (has_own[t.part] && !own_boxes_[k].contains(whereabouts(x, v, part_velocities_[t.part], margin, step.end())))
       outgrown |= in_own_frame;
     if (outgrown != 0) strays_.push_back({static_cast<std::int32_t>(k), outgrown});
   }
@@ -173,8 +177,8 @@ void ContactEngine::find_outgrown(const Model& model, const Step& step) {
 double ContactEngine::longest_edge(const std::int32_t* corners) const {
   double longest = 0.0;
   for (int k = 0; k < 4; ++k) {
-    const Box& a = tracked_[track_of_[corners[k]]].own_box;
-    const Box& b = tracked_[track_of_[corners[(k + 1) % 4]]].own_box;
+    const Box& a = own_boxes_[track_of_[corners[k]]];
+    const Box& b = own_boxes_[track_of_[corners[(k + 1) % 4]]];
     Vec3 most;
     for (int d = 0; d < 3; ++d)
       most[d] = std::max(static_cast<double>(a.high[d]) - b.low[d], static_cast<double>(b.high[d]) - a.low[d]);

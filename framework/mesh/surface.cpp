@@ -237,6 +237,16 @@ const std::vector<ExteriorFacet>& Surface::exterior(const Model& model) {
   return exterior_;
 }
 
+std::vector<ExteriorFacet> Surface::exterior_round(const Model& model, const std::vector<char>& marked) {
+  if (known_ != Known::all) find_exterior(model);
+  std::vector<ExteriorFacet> round;
+  for (const ExteriorFacet& f : exterior_) {
+    if ((marked[f.nodes[0]] | marked[f.nodes[1]] | marked[f.nodes[2]] | marked[f.nodes[3]]) == 0) continue;
+    if (tidy_ || model.parts[f.part].store->live(f.slot)) round.push_back(f);
+  }
+  return round;
+}
+
 void Surface::neighbours(const Model& model, int part, int slot, std::vector<std::int64_t>& ids,
                          std::vector<int>& ranks) const {
   for (const std::int32_t n : neighbour_[offset_[part] + slot]) {

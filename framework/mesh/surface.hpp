@@ -38,6 +38,8 @@ class Surface {
   /// update() learnt of, had covered. To be asked once after every update, for all that was retired since the one
   /// before. Local.
   std::vector<ExteriorFacet> opened_by(const Model& model, const std::vector<ExteriorFacet>& retired);
+  /// Those exterior faces that have a corner among the marked nodes, in any order. Local.
+  std::vector<ExteriorFacet> exterior_round(const Model& model, const std::vector<char>& marked);
   /// Renumbers after a part was compacted; `moved` as returned by PartStore::compact.
   void compact(const Model& model, const std::vector<std::vector<std::int32_t>>& moved);
   /// All exterior faces of live elements of this rank, in the order of the elements. Local.

@@ -40,17 +40,19 @@ class Boxes {
   unsigned dice(unsigned n) { return static_cast<unsigned>(random_() % n); }
 
   void expect_all_found(const Box& box) const {
-    std::vector<std::size_t> wanted, found, by_branches;
+    std::vector<std::size_t> wanted, found, with_boxes;
     for (const std::size_t place : known_)
       if (boxes_[place].meets(box)) wanted.push_back(place);
     std::sort(wanted.begin(), wanted.end());
     tree.each(box, [&](std::size_t n) { found.push_back(n); });
-    tree.each_branch(
-        box, [&](std::size_t branch) { tree.each_in(branch, box, [&](std::size_t n) { by_branches.push_back(n); }); });
+    tree.each(box, [&](std::size_t n, const Box& its_own) {
+      with_boxes.push_back(n);
+      EXPECT_TRUE(its_own == boxes_[n]);
+    });
     std::sort(found.begin(), found.end());
-    std::sort(by_branches.begin(), by_branches.end());
+    std::sort(with_boxes.begin(), with_boxes.end());
     EXPECT_EQ(found, wanted);
-    EXPECT_EQ(by_branches, wanted);
+    EXPECT_EQ(with_boxes, wanted);
     EXPECT_EQ(tree.meets(box), !wanted.empty());
   }
 
