@@ -56,6 +56,23 @@ struct NearbyFacets {
   }
 };
 
+/// The slaves of one part, for facets of other parts and for its own.
+struct PartSlaves {
+  /// What is asked about a slave whose box is met: its record would have to be fetched from afar.
+  struct Place {
+    std::int32_t slave = -1, number = -1;  // -1 where a cluster has room left; number of the node
+    std::uint32_t role = 0;
+  };
+  std::vector<Place> places;  // SlaveCluster::size to each cluster
+  BoxTree others, own;
+  std::int32_t open_cluster = -1;  // the one that has room for another slave
+
+  void finish() {
+    others.finish();
+    own.finish();
+  }
+};
+
 /// Facets with other boxes than before, and clusters of slaves with such.
 struct Changed {
   std::vector<std::int32_t> boxes, own_boxes;
@@ -68,6 +85,7 @@ struct Changed {
 struct SlaveCluster {
   static constexpr std::int32_t size = 16;
   Box box, own_box;
+  std::int32_t first_place = 0;
   std::vector<std::int32_t> slaves;
 
   void enclose(const std::vector<ContactNodeRecord>& all) {
@@ -91,10 +109,8 @@ struct CandidateSearch::Tables : SearchRecords {
   std::vector<std::int32_t> late;  // facets that the trees have not, or not in their present size
   NearbyFacets nearby;  // facets that a cluster meets; kept for its memory
   std::vector<SlaveCluster> clusters;
-  std::vector<std::int32_t> place;  // per slave: its number in the next two, SlaveCluster::size to each cluster
-  BoxTree slave_boxes, slave_own_boxes;
-  std::vector<std::int32_t> slave_at;  // per place
-  std::vector<std::int32_t> open_cluster;  // per part: the one that has room for another slave, or -1
+  std::vector<PartSlaves> part_slaves;
+  std::vector<std::int32_t> cluster_of, place;  // per slave: the latter in the trees of its part
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
   std::int32_t mark = 0;
   CandidateRows rows;
@@ -110,11 +126,9 @@ struct CandidateSearch::Tables : SearchRecords {
     number.reserve(slaves.size());
     for (std::size_t i = 0; i < slaves.size(); ++i) {
       join(static_cast<std::int32_t>(i));
-      slave_boxes.set(static_cast<std::size_t>(place[i]), slaves[i].box);
-      slave_own_boxes.set(static_cast<std::size_t>(place[i]), slaves[i].own_box);
+      set_slave_boxes(static_cast<std::int32_t>(i));
     }
-    slave_boxes.finish();
-    slave_own_boxes.finish();
+    for (PartSlaves& p : part_slaves) p.finish();
     around.build(corners, ids, numbering.size());
     plant_trees();
     for (const SlaveCluster& cluster : clusters) find_all(cluster);
@@ -168,30 +182,39 @@ struct CandidateSearch::Tables : SearchRecords {
     number.push_back(numbering.number(slave.id, slave.local));
     resize();
     slave_of[number[s]] = s;
-    const auto part = static_cast<std::size_t>(slave.part);
-    if (part >= open_cluster.size()) open_cluster.resize(part + 1, -1);
-    if (open_cluster[part] < 0 ||
-        static_cast<std::int32_t>(clusters[open_cluster[part]].slaves.size()) == SlaveCluster::size) {
-      open_cluster[part] = static_cast<std::int32_t>(clusters.size());
-      clusters.emplace_back().slaves.reserve(SlaveCluster::size);
+    if (static_cast<std::size_t>(slave.part) >= part_slaves.size())
+      part_slaves.resize(static_cast<std::size_t>(slave.part) + 1);
+    PartSlaves& part = part_slaves[slave.part];
+    if (part.open_cluster < 0 ||
+        static_cast<std::int32_t>(clusters[part.open_cluster].slaves.size()) == SlaveCluster::size) {
+      part.open_cluster = static_cast<std::int32_t>(clusters.size());
+      SlaveCluster& fresh = clusters.emplace_back();
+      fresh.slaves.reserve(SlaveCluster::size);
+      fresh.first_place = static_cast<std::int32_t>(part.places.size());
+      part.places.resize(part.places.size() + SlaveCluster::size);
     }
-    SlaveCluster& cluster = clusters[open_cluster[part]];
-    place.push_back(open_cluster[part] * SlaveCluster::size + static_cast<std::int32_t>(cluster.slaves.size()));
+    SlaveCluster& cluster = clusters[part.open_cluster];
+    cluster_of.push_back(part.open_cluster);
+    place.push_back(cluster.first_place + static_cast<std::int32_t>(cluster.slaves.size()));
+    part.places[place[s]] = {s, number[s], slave.role};
     cluster.slaves.push_back(s);
-    slave_at.resize(clusters.size() * SlaveCluster::size, -1);
-    slave_at[place[s]] = s;
     cluster.box.include(slave.box);
     cluster.own_box.include(slave.own_box);
   }
-  std::int32_t cluster_of(std::int32_t s) const { return place[s] / SlaveCluster::size; }
+  void set_slave_boxes(std::int32_t s) {
+    PartSlaves& part = part_slaves[slaves[s].part];
+    part.others.set(static_cast<std::size_t>(place[s]), slaves[s].box);
+    if (same_part) part.own.set(static_cast<std::size_t>(place[s]), slaves[s].own_box);
+  }
   /// Gives a slave other boxes, for which its cluster's only grow.
   void put(std::int32_t s, const Box& box, const Box& own_box) {
     slaves[s].box = box;
     slaves[s].own_box = own_box;
-    slave_boxes.put(static_cast<std::size_t>(place[s]), box);
-    slave_own_boxes.put(static_cast<std::size_t>(place[s]), own_box);
-    clusters[cluster_of(s)].box.include(box);
-    clusters[cluster_of(s)].own_box.include(own_box);
+    PartSlaves& part = part_slaves[slaves[s].part];
+    part.others.put(static_cast<std::size_t>(place[s]), box);
+    if (same_part) part.own.put(static_cast<std::size_t>(place[s]), own_box);
+    clusters[cluster_of[s]].box.include(box);
+    clusters[cluster_of[s]].own_box.include(own_box);
   }
   void resize() {
     ring.resize(numbering.size(), 0);
@@ -294,13 +317,14 @@ struct CandidateSearch::Tables : SearchRecords {
         meet(s, number_of_late, own, marked);
     }
   }
-  /// Whether the slave or one of the facets around it has a marked node.
-  bool ring_touches_marked(std::int32_t s) const {
-    if (ring[number[s]] == mark) return true;
-    for (const std::int32_t f : around.of(number[s]))
-      for (int k = 0; k < 4; ++k)
-        if (ring[corners[f][k]] == mark) return true;
-    return false;
+  /// Marks the nodes whose facets around them touch the element of a facet: slaves that are no pair with it.
+  void mark_neighbours(std::int32_t f) {
+    ++mark;
+    for (const std::int32_t n : corners[f]) {
+      ring[n] = mark;
+      for (const std::int32_t g : around.of(n))
+        for (int k = 0; k < 4; ++k) ring[corners[g][k]] = mark;
+    }
   }
   /// Pairs of all slaves with the late facets from the given one on.
   void find_new(std::size_t first) {
@@ -308,18 +332,17 @@ struct CandidateSearch::Tables : SearchRecords {
     for (std::size_t k = first; k < late.size(); ++k) {
       const std::int32_t f = late[k];
       const ContactFacetRecord& facet = facets[f];
-      ++mark;
-      for (const std::int32_t n : corners[f]) ring[n] = mark;
-      const auto take = [&](std::size_t at, bool own) {
-        const std::int32_t s = slave_at[at];
-        if (s < 0) return;  // an empty place, which an infinite box meets
-        if ((role[f] & slaves[s].role) == 0 || (slaves[s].part == facet.part) != own) return;
-        if (own && ring_touches_marked(s)) return;
-        found[s].push_back(f);
-        touched.push_back(s);
-      };
-      slave_boxes.each(facet.box, [&](std::size_t at) { take(at, false); });
-      if (same_part) slave_own_boxes.each(facet.own_box, [&](std::size_t at) { take(at, true); });
+      if (same_part) mark_neighbours(f);
+      for (std::size_t p = 0; p < part_slaves.size(); ++p) {
+        const bool own = static_cast<std::int32_t>(p) == facet.part;
+        const PartSlaves& part = part_slaves[p];
+        (own ? part.own : part.others).each(own ? facet.own_box : facet.box, [&](std::size_t at) {
+          const PartSlaves::Place& slave = part.places[at];
+          if ((role[f] & slave.role) == 0 || (own && ring[slave.number] == mark)) return;
+          found[slave.slave].push_back(f);
+          touched.push_back(slave.slave);
+        });
+      }
     }
     std::sort(touched.begin(), touched.end());
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
@@ -467,19 +490,17 @@ void CandidateSearch::renew(const std::vector<ContactFacetRecord>& facets,
     const std::int32_t n = t.numbering.number(slave.id, slave.local), s = t.slave_of[n];
     KERF_ASSERT(s >= 0, "a slave stays on the rank that its home is in");
     ContactNodeRecord& known = t.slaves[s];
-    if (!(known.box == slave.box)) changed.clusters[t.cluster_of(s)] = 1;
-    if (!(known.own_box == slave.own_box)) changed.own_clusters[t.cluster_of(s)] = 1;
+    if (!(known.box == slave.box)) changed.clusters[t.cluster_of[s]] = 1;
+    if (!(known.own_box == slave.own_box)) changed.own_clusters[t.cluster_of[s]] = 1;
     known.box = slave.box;
     known.own_box = slave.own_box;
-    t.slave_boxes.set(static_cast<std::size_t>(t.place[s]), slave.box);
-    t.slave_own_boxes.set(static_cast<std::size_t>(t.place[s]), slave.own_box);
+    t.set_slave_boxes(s);
   }
-  t.slave_boxes.finish();
-  t.slave_own_boxes.finish();
+  for (PartSlaves& p : t.part_slaves) p.finish();
   for (const std::int32_t n : affected) {  // the facets round them are others
     const std::int32_t s = t.slave_of[n];
     if (s < 0) continue;
-    changed.own_clusters[t.cluster_of(s)] = 1;
+    changed.own_clusters[t.cluster_of[s]] = 1;
     if (t.rows.has(s)) t.rows.outdate(s);
   }
   t.find_changed(changed);
