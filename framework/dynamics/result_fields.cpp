@@ -11,62 +11,98 @@ namespace kerf {
 
 namespace {
 
-/// Calls `value(block, lane, to)`, which writes n doubles, for all live elements of a part. Returns the end.
-template <int n, class Value>
-double* copy_elements(const PartStore& store, double* out, const Value& value) {
-  for (int block = 0; block < store.n_blocks(); ++block)
-    for (int lane = 0; lane < lane_width; ++lane) {
-      const int slot = block * lane_width + lane;
-      if (slot >= store.n_slots() || !store.live(slot)) continue;
-      value(block, lane, out);
-      out += n;
+/// Calls `rows(block, to)`, which fills n rows of a block, for all blocks of a part, and lists what live elements have
+/// there, n values one after another. Returns the end.
+template <int n, class Rows>
+double* copy_elements(const PartStore& store, double* out, const Rows& rows) {
+  alignas(64) double block_rows[n][lane_width];
+  for (int block = 0; block < store.n_blocks(); ++block) {
+    rows(block, block_rows);
+    const int first = block * lane_width, used = std::min(lane_width, store.n_slots() - first);
+    for (int lane = 0; lane < used; ++lane) {
+      if (!store.live(first + lane)) continue;
+      for (int c = 0; c < n; ++c) *out++ = block_rows[c][lane];
     }
+  }
   return out;
 }
 
-/// A component of a field.
-class Rows {
+/// One component of a field, block by block.
+class Component {
  public:
-  Rows(const PartStore& store, PartStore::FieldIndex field, int component = 0)
+  Component(const PartStore& store, PartStore::FieldIndex field, int component = 0)
       : field_(store.field(field)), component_(component) {}
-  double operator()(int block, int lane) const { return field_.at(block * lane_width + lane, component_); }
+  void read(int block, double (&row)[lane_width]) const {
+    const std::size_t first = field_.index(block * lane_width, component_);
+    if (field_.is_single)
+      std::copy_n(&field_.single_data[first], lane_width, row);
+    else
+      std::copy_n(&field_.data[first], lane_width, row);
+  }
 
  private:
   const Field& field_;
   int component_;
 };
 
-double* copy_stress(const PartStore& store, double* out) {
-  std::vector<Rows> s;
-  for (int c = 0; c < 6; ++c) s.emplace_back(store, PartStore::deviator, c);
-  const Rows pressure(store, PartStore::pressure);
-  return copy_elements<6>(store, out, [&](int b, int l, double* to) {
-    for (int c = 0; c < 6; ++c) to[c] = c < 3 ? s[c](b, l) - pressure(b, l) : s[c](b, l);
+/// Components of the deviator, then pressure.
+class Stress {
+ public:
+  explicit Stress(const PartStore& store) : pressure_(store, PartStore::pressure) {
+    for (int c = 0; c < 6; ++c) deviator_.emplace_back(store, PartStore::deviator, c);
+  }
+  void read_deviator(int block, double (&s)[6][lane_width]) const {
+    for (int c = 0; c < 6; ++c) deviator_[c].read(block, s[c]);
+  }
+  void read(int block, double (&s)[6][lane_width]) const {
+    alignas(64) double pressure[lane_width];
+    read_deviator(block, s);
+    pressure_.read(block, pressure);
+    for (int c = 0; c < 3; ++c)
+      for (int l = 0; l < lane_width; ++l) s[c][l] -= pressure[l];
+  }
+
+ private:
+  std::vector<Component> deviator_;
+  Component pressure_;
+};
+
+double* copy_quotient(const PartStore& store, const Component& over, const Component& under, double* out) {
+  return copy_elements<1>(store, out, [&](int block, double (&row)[1][lane_width]) {
+    alignas(64) double divisor[lane_width];
+    over.read(block, row[0]);
+    under.read(block, divisor);
+    for (int l = 0; l < lane_width; ++l) row[0][l] /= divisor[l];
   });
 }
 
+double* copy_von_mises(const PartStore& store, double* out) {
+  return copy_elements<1>(store, out, [&, stress = Stress(store)](int block, double (&row)[1][lane_width]) {
+    alignas(64) double s[6][lane_width];
+    stress.read_deviator(block, s);
+    for (int l = 0; l < lane_width; ++l) row[0][l] = von_mises({s[0][l], s[1][l], s[2][l], s[3][l], s[4][l], s[5][l]});
+  });
+}
+
+double* copy_component(const PartStore& store, const Component& component, double* out) {
+  return copy_elements<1>(store, out,
+                          [&](int block, double (&row)[1][lane_width]) { component.read(block, row[0]); });
+}
+
 double* copy_elements_of(const PartStore& store, const std::string& name, double* out) {
-  const auto each = [&](const auto& value) {
-    return copy_elements<1>(store, out, [&](int b, int l, double* to) { *to = value(b, l); });
-  };
-  const Rows mass(store, PartStore::mass);
-  if (name == "stress") return copy_stress(store, out);
-  if (name == "pressure") return each(Rows(store, PartStore::pressure));
-  if (name == "density")
-    return each([&, volume = Rows(store, PartStore::volume)](int b, int l) { return mass(b, l) / volume(b, l); });
-  if (name == "internal_energy")
-    return each(
-        [&, energy = Rows(store, PartStore::internal_energy)](int b, int l) { return energy(b, l) / mass(b, l); });
-  if (name == "von_mises") {
-    std::vector<Rows> s;
-    for (int c = 0; c < 6; ++c) s.emplace_back(store, PartStore::deviator, c);
-    return each([&](int b, int l) {
-      return von_mises({s[0](b, l), s[1](b, l), s[2](b, l), s[3](b, l), s[4](b, l), s[5](b, l)});
+  const Component mass(store, PartStore::mass);
+  if (name == "stress")
+    return copy_elements<6>(store, out, [stress = Stress(store)](int block, double (&rows)[6][lane_width]) {
+      stress.read(block, rows);
     });
-  }
+  if (name == "von_mises") return copy_von_mises(store, out);
+  if (name == "pressure") return copy_component(store, {store, PartStore::pressure}, out);
+  if (name == "density") return copy_quotient(store, mass, {store, PartStore::volume}, out);
+  if (name == "internal_energy") return copy_quotient(store, {store, PartStore::internal_energy}, mass, out);
   if (const auto [field, component] = store.find_variable(name); field != PartStore::n_fields)
-    return each(Rows(store, field, component));
-  return each([](int, int) { return 0.0; });  // a variable that this part's laws do not have is zero there
+    return copy_component(store, {store, field, component}, out);
+  // A variable that this part's laws do not have is zero there.
+  return copy_elements<1>(store, out, [](int, double (&row)[1][lane_width]) { std::fill_n(row[0], lane_width, 0.0); });
 }
 
 int components_of(const std::string& element_field) { return element_field == "stress" ? 6 : 1; }
@@ -123,10 +159,17 @@ void FrameWriter::release() {
   std::vector<double>().swap(values_);
 }
 
+/// Room for the values of one field.
+double* FrameWriter::room_for(int components, std::size_t n_entities) {
+  const std::size_t n = static_cast<std::size_t>(components) * n_entities;
+  if (values_.size() < n) values_.resize(n);
+  field_ = {values_.data(), n};
+  return values_.data();
+}
+
 void FrameWriter::fill_nodes(const std::string& name) {
   const NodeStore& nodes = model_.nodes;
-  values_.resize((name == "mass" ? 1 : 3) * local_.size());
-  double* out = values_.data();
+  double* out = room_for(name == "mass" ? 1 : 3, local_.size());
   const auto copy_vectors = [&](const AlignedVector<double>& nodal) {
     for (const std::int32_t i : local_)
       for (std::size_t d = 0; d < 3; ++d) *out++ = nodal[4 * static_cast<std::size_t>(i) + d];
@@ -147,24 +190,23 @@ void FrameWriter::fill_nodes(const std::string& name) {
 }
 
 void FrameWriter::fill_elements(const std::string& name) {
-  values_.resize(live_.size() * static_cast<std::size_t>(components_of(name)));
-  double* out = values_.data();
+  double* out = room_for(components_of(name), live_.size());
   for (const PartModel& part : model_.parts) out = copy_elements_of(*part.store, name, out);
-  KERF_ASSERT(out == values_.data() + values_.size(), "the live elements are those that were listed");
+  KERF_ASSERT(out == field_.data() + field_.size(), "the live elements are those that were listed");
 }
 
 void FrameWriter::write(double time, ResultsWriter& results) {
   results.begin_frame(time, list_entities());
   fill_nodes("position");
-  results.add_points(owned_, values_);
+  results.add_points(owned_, field_);
   results.add_alive(live_);
   for (const std::string& name : output_.node_fields) {
     fill_nodes(name);
-    results.add_node_field(name, name == "mass" ? 1 : 3, owned_, values_);
+    results.add_node_field(name, name == "mass" ? 1 : 3, owned_, field_);
   }
   for (const std::string& name : output_.element_fields) {
     fill_elements(name);
-    results.add_element_field(name, components_of(name), live_, values_);
+    results.add_element_field(name, components_of(name), live_, field_);
   }
   results.end_frame();
   release();

@@ -1,6 +1,7 @@
 // Turns the stores into the fields that results.vtkhdf holds.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "output/results.hpp"
@@ -21,6 +22,7 @@ class FrameWriter {
  private:
   bool list_entities();
   void release();
+  double* room_for(int components, std::size_t n_entities);
   void fill_nodes(const std::string& name);
   void fill_elements(const std::string& name);
 
@@ -29,7 +31,8 @@ class FrameWriter {
   std::vector<std::int64_t> arrangement_;  // of nodes and parts, at the last frame
   std::vector<std::int64_t> owned_, live_;  // ids
   std::vector<std::int32_t> local_;  // numbers of the owned nodes
-  std::vector<double> values_;  // of one field; kept because touching fresh memory costs as much as writing it
+  std::vector<double> values_;  // room for a field; kept because touching fresh memory costs as much as writing it
+  std::span<const double> field_;  // the part of it that holds the present one
 };
 
 }  // namespace kerf
