@@ -161,38 +161,32 @@ void FrameWriter::release() {
 
 /// Room for the values of one field.
 double* FrameWriter::room_for(int components, std::size_t n_entities) {
-  const std::size_t n = static_cast<std::size_t>(components) * n_entities;
-  if (values_.size() < n) values_.resize(n);
-  field_ = {values_.data(), n};
+  const auto n = static_cast<std::size_t>(components);
+  if (values_.size() < n * n_entities) values_.resize(n * n_entities);
+  field_ = {values_.data(), n_entities, n, nullptr};
   return values_.data();
 }
 
+/// Nodal fields are written from where they are; displacements have to be made.
 void FrameWriter::fill_nodes(const std::string& name) {
   const NodeStore& nodes = model_.nodes;
-  double* out = room_for(name == "mass" ? 1 : 3, local_.size());
-  const auto copy_vectors = [&](const AlignedVector<double>& nodal) {
-    for (const std::int32_t i : local_)
-      for (std::size_t d = 0; d < 3; ++d) *out++ = nodal[4 * static_cast<std::size_t>(i) + d];
+  const auto rows_of = [&](const double* nodal, std::size_t stride) {
+    field_ = {nodal, local_.size(), stride, local_.data()};
   };
-  if (name == "mass") {
-    for (const std::int32_t i : local_) *out++ = nodes.mass[i];
-  } else if (name == "velocity") {
-    copy_vectors(nodes.velocity);
-  } else {
-    copy_vectors(nodes.position);
-    if (name == "position") return;
-    out = values_.data();
-    for (const std::int32_t i : local_) {
-      const Vec3 home = reference_position(model_, nodes.id[i]);
-      for (int d = 0; d < 3; ++d) *out++ -= home[d];
-    }
+  if (name == "mass") return rows_of(nodes.mass.data(), 1);
+  if (name == "velocity") return rows_of(nodes.velocity.data(), 4);
+  if (name == "position") return rows_of(nodes.position.data(), 4);
+  double* out = room_for(3, local_.size());
+  for (const std::int32_t i : local_) {
+    const Vec3 moved = nodes.x(i) - reference_position(model_, nodes.id[i]);
+    for (int d = 0; d < 3; ++d) *out++ = moved[d];
   }
 }
 
 void FrameWriter::fill_elements(const std::string& name) {
   double* out = room_for(components_of(name), live_.size());
   for (const PartModel& part : model_.parts) out = copy_elements_of(*part.store, name, out);
-  KERF_ASSERT(out == field_.data() + field_.size(), "the live elements are those that were listed");
+  KERF_ASSERT(out == field_.data + field_.n_entities * field_.stride, "the live elements are those that were listed");
 }
 
 void FrameWriter::write(double time, ResultsWriter& results) {

@@ -1,7 +1,6 @@
 // Turns the stores into the fields that results.vtkhdf holds.
 #pragma once
 
-#include <span>
 #include <string>
 
 #include "output/results.hpp"
@@ -32,7 +31,7 @@ class FrameWriter {
   std::vector<std::int64_t> owned_, live_;  // ids
   std::vector<std::int32_t> local_;  // numbers of the owned nodes
   std::vector<double> values_;  // room for a field; kept because touching fresh memory costs as much as writing it
-  std::span<const double> field_;  // the part of it that holds the present one
+  HeldValues<double> field_;  // the present one
 };
 
 }  // namespace kerf

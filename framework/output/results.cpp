@@ -8,7 +8,6 @@
 
 #include "output/collective.hpp"
 #include "output/hdf5.hpp"
-#include "output/slab.hpp"
 
 namespace kerf {
 
@@ -96,9 +95,9 @@ class ResultsWriter::Impl {
   void write_topology(std::span<const std::int64_t> elements, std::span<const std::int64_t> nodes,
                       std::span<const std::int32_t> parts, const std::vector<std::string>& part_names);
   void begin_frame(double time, bool same_entities);
-  void add_points(std::span<const std::int64_t> gids, std::span<const double> positions);
+  void add_points(std::span<const std::int64_t> gids, const HeldValues<double>& positions);
   void add_field(Entities& kind, const std::string& name, int components, std::span<const std::int64_t> gids,
-                 std::span<const double> values);
+                 const HeldValues<double>& values);
   void add_alive(std::span<const std::int64_t> gids);
   void end_frame();
 
@@ -120,10 +119,10 @@ class ResultsWriter::Impl {
   template <class T>
   void append(const Entities& kind, const Handle& table, std::span<const T> slab);
   template <class T>
-  void add_points_as(std::vector<T>& last, const SlabExchange& plan, std::span<const double> positions);
+  void add_points_as(std::vector<T>& last, const SlabExchange& plan, const HeldValues<double>& positions);
   template <class T>
   void add_values(const Entities& kind, const Handle& table, std::vector<T>& slab, const SlabExchange& plan,
-                  int components, std::span<const double> values);
+                  int components, const HeldValues<double>& values);
   hid_t real_type() const { return double_precision_ ? hdf5::type_of<double>() : hdf5::type_of<float>(); }
 
   MPI_Comm comm_;
@@ -305,12 +304,12 @@ void ResultsWriter::Impl::append(const Entities& kind, const Handle& table, std:
 
 template <class T>
 void ResultsWriter::Impl::add_points_as(std::vector<T>& last, const SlabExchange& plan,
-                                        std::span<const double> positions) {
+                                        const HeldValues<double>& positions) {
   plan.update_slab<T, double>(positions, 3, last);
   append<T>(nodes_, points_, last);
 }
 
-void ResultsWriter::Impl::add_points(std::span<const std::int64_t> gids, std::span<const double> positions) {
+void ResultsWriter::Impl::add_points(std::span<const std::int64_t> gids, const HeldValues<double>& positions) {
   require(in_frame_ && !has_points_, "points are added once, between begin_frame and end_frame");
   const SlabExchange& plan = nodes_.plans.get(comm_, nodes_.n, gids);
   if (double_precision_)
@@ -343,7 +342,7 @@ Series& ResultsWriter::Impl::series_to_write(Entities& kind, const std::string& 
 
 template <class T>
 void ResultsWriter::Impl::add_values(const Entities& kind, const Handle& table, std::vector<T>& slab,
-                                     const SlabExchange& plan, int components, std::span<const double> values) {
+                                     const SlabExchange& plan, int components, const HeldValues<double>& values) {
   const auto n = static_cast<std::size_t>(components);
   slab.resize(plan.present().size() * n);
   plan.update_slab<T, double>(values, components, slab);
@@ -353,7 +352,7 @@ void ResultsWriter::Impl::add_values(const Entities& kind, const Handle& table, 
 }
 
 void ResultsWriter::Impl::add_field(Entities& kind, const std::string& name, int components,
-                                    std::span<const std::int64_t> gids, std::span<const double> values) {
+                                    std::span<const std::int64_t> gids, const HeldValues<double>& values) {
   Series& series = series_to_write(kind, name, components, real_type());
   const SlabExchange& plan = kind.plans.get(comm_, kind.n, gids);
   if (double_precision_)
@@ -417,15 +416,15 @@ void ResultsWriter::write_topology(std::span<const std::int64_t> elements, std::
   impl_->write_topology(elements, nodes, parts, part_names);
 }
 void ResultsWriter::begin_frame(double time, bool same_entities) { impl_->begin_frame(time, same_entities); }
-void ResultsWriter::add_points(std::span<const std::int64_t> owned_nodes, std::span<const double> positions) {
+void ResultsWriter::add_points(std::span<const std::int64_t> owned_nodes, const HeldValues<double>& positions) {
   impl_->add_points(owned_nodes, positions);
 }
 void ResultsWriter::add_node_field(const std::string& name, int components, std::span<const std::int64_t> owned_nodes,
-                                   std::span<const double> values) {
+                                   const HeldValues<double>& values) {
   impl_->add_field(impl_->nodes(), name, components, owned_nodes, values);
 }
 void ResultsWriter::add_element_field(const std::string& name, int components,
-                                      std::span<const std::int64_t> live_elements, std::span<const double> values) {
+                                      std::span<const std::int64_t> live_elements, const HeldValues<double>& values) {
   impl_->add_field(impl_->elements(), name, components, live_elements, values);
 }
 void ResultsWriter::add_alive(std::span<const std::int64_t> live_elements) { impl_->add_alive(live_elements); }

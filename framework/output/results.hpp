@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "output/slab.hpp"
+
 namespace kerf {
 
 /// One parallel file of results. All functions are collective; ranks that hold nothing pass empty spans.
@@ -42,12 +44,12 @@ class ResultsWriter {
   /// With `same_entities`, all ids of this rank will be the same as in the frame before.
   void begin_frame(double time, bool same_entities = false);
   /// Positions [m], three per node. Nodes that nobody holds any more keep their last written position.
-  void add_points(std::span<const std::int64_t> owned_nodes, std::span<const double> positions);
-  /// Values in the order of the ids, `components` per entity; 0 is stored where nobody holds the entity.
+  void add_points(std::span<const std::int64_t> owned_nodes, const HeldValues<double>& positions);
+  /// `components` values per entity of the list of ids; 0 is stored where nobody holds the entity.
   void add_node_field(const std::string& name, int components, std::span<const std::int64_t> owned_nodes,
-                      std::span<const double> values);
+                      const HeldValues<double>& values);
   void add_element_field(const std::string& name, int components, std::span<const std::int64_t> live_elements,
-                         std::span<const double> values);
+                         const HeldValues<double>& values);
   /// Stores `alive` and `vtkGhostType`.
   void add_alive(std::span<const std::int64_t> live_elements);
   /// Completes the frame. Post: the file on disk is complete up to and including this frame, so that whatever

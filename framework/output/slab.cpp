@@ -36,14 +36,14 @@ void require(bool holds, const char* sentence) {
   if (!holds) throw std::invalid_argument(sentence);
 }
 
-/// Copies n values per entity: entity from(i) of `source` to entity to(i) of `target`. Common numbers of components are
-/// constants, which lets the compiler unroll.
+/// Copies n values per entity, from source + from(i) to target + to(i). Common numbers of components are constants, which
+/// lets the compiler unroll.
 template <class T, class Given, class From, class To>
 void copy_entities(std::size_t count, std::size_t n, const Given* source, From&& from, T* target, To&& to) {
   const auto copy = [&](auto components) {
     for (std::size_t i = 0; i < count; ++i) {
-      const Given* in = source + from(i) * components;
-      T* out = target + to(i) * components;
+      const Given* in = source + from(i);
+      T* out = target + to(i);
       for (std::size_t c = 0; c < components; ++c) out[c] = static_cast<T>(in[c]);
     }
   };
@@ -59,11 +59,17 @@ void copy_entities(std::size_t count, std::size_t n, const Given* source, From&&
   }
 }
 
-/// The index functions of copy_entities.
-auto listed(const std::vector<std::int32_t>& list) {
-  return [data = list.data()](std::size_t i) { return static_cast<std::size_t>(data[i]); };
+/// The index functions of copy_entities for lists of n values per entity.
+auto listed(const std::vector<std::int32_t>& list, std::size_t n) {
+  return [data = list.data(), n](std::size_t i) { return static_cast<std::size_t>(data[i]) * n; };
 }
-constexpr auto in_order = [](std::size_t i) { return i; };
+auto in_order(std::size_t n) {
+  return [n](std::size_t i) { return i * n; };
+}
+template <class Given>
+auto held(const std::vector<std::int32_t>& list, const HeldValues<Given>& values) {
+  return [data = list.data(), &values](std::size_t i) { return values.begin(static_cast<std::size_t>(data[i])); };
+}
 
 enum Fault { none = 0, out_of_range = 1, repeated = 2, too_many = 3 };
 
@@ -136,21 +142,22 @@ SlabExchange::SlabExchange(MPI_Comm comm, std::int64_t n_global, std::span<const
 }
 
 template <class T, class Given>
-void SlabExchange::update_slab(std::span<const std::type_identity_t<Given>> values, int components,
+void SlabExchange::update_slab(const std::type_identity_t<HeldValues<Given>>& values, int components,
                                std::span<std::type_identity_t<T>> slab) const {
   require(components > 0, "the number of components has to be positive");
   const auto n = static_cast<std::size_t>(components);
-  require(values.size() == static_cast<std::size_t>(n_held_) * n, "there have to be `components` values per held id");
+  require(values.n_entities == static_cast<std::size_t>(n_held_) && values.stride >= n,
+          "there have to be `components` values per held id");
   require(slab.size() == present_.size() * n, "the slab has the wrong size");
-  copy_entities(local_held_.size(), n, values.data(), listed(local_held_), slab.data(), listed(local_slot_));
+  copy_entities(local_held_.size(), n, values.data, held(local_held_, values), slab.data(), listed(local_slot_, n));
   if (held_counts_.size() == 1) return;
 
   std::vector<T> sent(remote_held_.size() * n), received(remote_slot_.size() * n);
-  copy_entities(remote_held_.size(), n, values.data(), listed(remote_held_), sent.data(), in_order);
+  copy_entities(remote_held_.size(), n, values.data, held(remote_held_, values), sent.data(), in_order(n));
   const ByteBlock entity(n * sizeof(T));
   MPI_Alltoallv(sent.data(), held_counts_.data(), held_starts_.data(), entity.get(), received.data(),
                 slot_counts_.data(), slot_starts_.data(), entity.get(), comm_);
-  copy_entities(remote_slot_.size(), n, received.data(), in_order, slab.data(), listed(remote_slot_));
+  copy_entities(remote_slot_.size(), n, received.data(), in_order(n), slab.data(), listed(remote_slot_, n));
 }
 
 template <class T>
@@ -159,15 +166,15 @@ std::vector<T> SlabExchange::from_slab(std::span<const std::type_identity_t<T>> 
   const auto n = static_cast<std::size_t>(components);
   require(slab.size() == present_.size() * n, "the slab has the wrong size");
   std::vector<T> values(static_cast<std::size_t>(n_held_) * n);
-  copy_entities(local_held_.size(), n, slab.data(), listed(local_slot_), values.data(), listed(local_held_));
+  copy_entities(local_held_.size(), n, slab.data(), listed(local_slot_, n), values.data(), listed(local_held_, n));
   if (held_counts_.size() == 1) return values;
 
   std::vector<T> sent(remote_slot_.size() * n), received(remote_held_.size() * n);
-  copy_entities(remote_slot_.size(), n, slab.data(), listed(remote_slot_), sent.data(), in_order);
+  copy_entities(remote_slot_.size(), n, slab.data(), listed(remote_slot_, n), sent.data(), in_order(n));
   const ByteBlock entity(n * sizeof(T));
   MPI_Alltoallv(sent.data(), slot_counts_.data(), slot_starts_.data(), entity.get(), received.data(),
                 held_counts_.data(), held_starts_.data(), entity.get(), comm_);
-  copy_entities(remote_held_.size(), n, received.data(), in_order, values.data(), listed(remote_held_));
+  copy_entities(remote_held_.size(), n, received.data(), in_order(n), values.data(), listed(remote_held_, n));
   return values;
 }
 
@@ -186,7 +193,7 @@ const SlabExchange& SlabExchangeCache::get(MPI_Comm comm, std::int64_t n_global,
 }
 
 #define KERF_SLAB_TYPES(T, Given)                                                                      \
-  template void SlabExchange::update_slab<T, Given>(std::span<const std::type_identity_t<Given>>, int, \
+  template void SlabExchange::update_slab<T, Given>(const std::type_identity_t<HeldValues<Given>>&, int, \
                                                     std::span<std::type_identity_t<T>>) const;
 KERF_SLAB_TYPES(double, double)
 KERF_SLAB_TYPES(float, float)

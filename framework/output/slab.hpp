@@ -6,13 +6,30 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <type_traits>
 #include <vector>
 
 namespace kerf {
+
+/// Values of held entities: those of the i-th begin at data[i * stride], or at data[row[i] * stride].
+template <class T>
+struct HeldValues {
+  const T* data = nullptr;
+  std::size_t n_entities = 0, stride = 0;
+  const std::int32_t* row = nullptr;
+
+  /// All entities' values one after another. A list that does not come out even fits no number of entities.
+  static HeldValues in_order(std::span<const T> values, int components) {
+    const auto n = static_cast<std::size_t>(std::max(components, 1));
+    return {values.data(), values.size() % n == 0 ? values.size() / n : std::numeric_limits<std::size_t>::max(), n};
+  }
+  std::size_t begin(std::size_t i) const { return (row != nullptr ? static_cast<std::size_t>(row[i]) : i) * stride; }
+};
 
 /// A communication plan from the entities that ranks hold to contiguous slabs, built once and used often.
 ///
@@ -47,13 +64,13 @@ class SlabExchange {
   std::vector<T> to_slab(std::span<const std::type_identity_t<Given>> values, int components,
                          std::type_identity_t<T> fill) const {
     std::vector<T> slab(static_cast<std::size_t>(slab_size()) * static_cast<std::size_t>(components), fill);
-    update_slab<T, Given>(values, components, slab);
+    update_slab<T, Given>(HeldValues<Given>::in_order(values, components), components, slab);
     return slab;
   }
 
   /// As to_slab, but leaves the entries of `slab` alone where nobody holds the entity. Collective.
   template <class T, class Given = T>
-  void update_slab(std::span<const std::type_identity_t<Given>> values, int components,
+  void update_slab(const std::type_identity_t<HeldValues<Given>>& values, int components,
                    std::span<std::type_identity_t<T>> slab) const;
 
   /// Pre: `slab` has `components` entries per entity of this rank's slab.

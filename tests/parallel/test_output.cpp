@@ -136,6 +136,18 @@ void check_round_trip(std::int64_t n, int components, int rank, int n_ranks) {
       EXPECT_EQ(slab[static_cast<std::size_t>(i * components + c)], exists(gid) ? value(gid, c) : T(77));
   }
   EXPECT_EQ(plan.from_slab<T>(slab, components), values);
+
+  // The same from where values stand in another order and with gaps.
+  const auto stride = static_cast<std::size_t>(components) + 2;
+  std::vector<T> apart(stride * gids.size(), T(55));
+  std::vector<std::int32_t> row(gids.size());
+  for (std::size_t i = 0; i < gids.size(); ++i) {
+    row[i] = static_cast<std::int32_t>(gids.size() - 1 - i);
+    for (int c = 0; c < components; ++c) apart[stride * static_cast<std::size_t>(row[i]) + c] = value(gids[i], c);
+  }
+  std::vector<T> from_rows(slab.size(), T(77));
+  plan.update_slab<T>({apart.data(), gids.size(), stride, row.data()}, components, from_rows);
+  EXPECT_EQ(from_rows, slab);
 }
 
 TEST_F(Slab, values_come_back_for_every_type_and_number_of_components) {
@@ -168,7 +180,7 @@ TEST_F(Slab, entries_that_nobody_holds_keep_their_value_in_an_update) {
   std::vector<double> slab = first.to_slab<double>(ones, 1, 0.0);
   const Ids even = held_ids(50, rank, n_ranks, 2, [](std::int64_t gid) { return gid % 2 == 0; });
   std::vector<double> twos(even.size(), 2.0);
-  SlabExchange(MPI_COMM_WORLD, 50, even).update_slab<double>(twos, 1, slab);
+  SlabExchange(MPI_COMM_WORLD, 50, even).update_slab<double>(HeldValues<double>::in_order(twos, 1), 1, slab);
   for (std::size_t i = 0; i < slab.size(); ++i)
     EXPECT_EQ(slab[i], (first.begin() + static_cast<std::int64_t>(i)) % 2 == 0 ? 2.0 : 1.0);
 }
@@ -242,9 +254,9 @@ void write_frame(ResultsWriter& writer, const Bar& bar, int frame, int rank, int
   for (const std::int64_t e : live)
     for (int c = 0; c < 6; ++c) stress.push_back(Bar::stress(e, c, frame));
   writer.begin_frame(1e-6 * frame);
-  writer.add_points(nodes, positions);
-  writer.add_node_field("speed", 1, nodes, speed);
-  writer.add_element_field("stress", 6, live, stress);
+  writer.add_points(nodes, HeldValues<double>::in_order(positions, 3));
+  writer.add_node_field("speed", 1, nodes, HeldValues<double>::in_order(speed, 1));
+  writer.add_element_field("stress", 6, live, HeldValues<double>::in_order(stress, 6));
   writer.add_alive(live);
   if (finish) writer.end_frame();
 }

@@ -86,6 +86,8 @@ class Runner:
         self._running: list[subprocess.Popen] = []
 
     def run(self, binary: str, case: Case, copy: bool = False) -> Run:
+        if copy:
+            os.sync()  # what earlier runs have left to the disk is not this one's
         return self._finish(self._start(binary, case), copy)
 
     def side_by_side(self, binary: str, cases: list[Case]) -> list[Run]:
@@ -136,6 +138,7 @@ def copy_seconds(file: Path) -> float:
     times = []
     twin = file.with_suffix(".copy")
     for _ in range(3):
+        os.sync()
         began = time.perf_counter()
         with open(twin, "wb") as copy:
             copy.write(file.read_bytes())
