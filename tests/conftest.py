@@ -81,14 +81,14 @@ def kerf(binary, tmp_path_factory):
     """kerf(model, *settings) runs an input file, or a model given as a dictionary, to its end; settings are
     KEY.PATH=VALUE texts. The run must complete unless `completes` is False."""
 
-    def run(model, *settings, completes=True, timeout=600):
+    def run(model, *settings, completes=True, timeout=600, ranks=1):
         folder = tmp_path_factory.mktemp("run")
         if isinstance(model, dict):
             path = folder / "input.yaml"
             path.write_text(json.dumps(model, indent=1))  # JSON is YAML
         else:
             path = ROOT / "inputs" / model
-        command = [str(binary), "run", str(path), "--output", str(folder)]
+        command = [str(binary), "run", str(path), "--output", str(folder), "--ranks", str(ranks)]
         for setting in settings:
             command += ["--set", setting]
         process = subprocess.run(command, capture_output=True, text=True, timeout=timeout)

@@ -6,6 +6,7 @@
 
 #include "core/assert.hpp"
 #include "dynamics/setup.hpp"
+#include "kerf/lanes.hpp"
 
 namespace kerf {
 
@@ -80,7 +81,16 @@ double* copy_von_mises(const PartStore& store, double* out) {
   return copy_elements<1>(store, out, [&, stress = Stress(store)](int block, double (&row)[1][lane_width]) {
     alignas(64) double s[6][lane_width];
     stress.read_deviator(block, s);
-    for (int l = 0; l < lane_width; ++l) row[0][l] = von_mises({s[0][l], s[1][l], s[2][l], s[3][l], s[4][l], s[5][l]});
+    // Explicitly side by side: a loop over lanes may be compiled in two ways that round differently, and where an element
+    // stands among the lanes depends on its rank.
+    for (int l = 0; l < lane_width; l += register_lanes) {
+      Lanes squares{};
+      for (int c = 0; c < 6; ++c) {
+        const Lanes component = load_lanes(s[c] + l);
+        squares += (c < 3 ? 1.5 : 3.0) * component * component;
+      }
+      store_lanes(row[0] + l, sqrt_of(squares));
+    }
   });
 }
 
