@@ -228,6 +228,9 @@ def test_a_run_that_maximum_cycles_ends_goes_on_where_restart_files_are_asked_fo
     # The interval is longer than the run: it is the end of the cycles that writes the file.
     asked = ["--set", "output.restart_interval=1 s"]
     assert kerf("run", "case.yaml", "--output", "out", *few, *asked, cwd=case).returncode == 0
+    nothing = kerf("run", "case.yaml", "--output", "out", "--resume", *few, *asked, cwd=case)
+    assert nothing.returncode == 0 and summary_of(case / "out")["cycles"] == 20
+    assert "has come to time.maximum_cycles (20) already; no cycle is left to make" in nothing.stdout
     done = kerf("run", "case.yaml", "--output", "out", "--resume", *settings(LONG), cwd=case)
     assert done.returncode == 0, done.stderr
     assert summary_of(case / "out")["state_hash"] == summary_of(uninterrupted / "out")["state_hash"]
