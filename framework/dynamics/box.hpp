@@ -8,9 +8,10 @@
 
 namespace kerf {
 
-/// An axis-parallel box in single precision, rounded outwards; empty by default.
+/// An axis-parallel box in single precision, rounded outwards; empty by default. No box that is made of lengths, however
+/// large these are, meets an empty one.
 struct Box {
-  static constexpr float far = 3e38f;
+  static constexpr float far = 3e38f, farthest = 1e38f;
   float low[3] = {far, far, far}, high[3] = {-far, -far, -far};  // [m]
 
   void include(const Box& other) {
@@ -40,11 +41,11 @@ struct Box {
   /// Four units in the last place make up for the rounding of the conversion and of the subtraction.
   static float below(double x) {
     const auto f = static_cast<float>(x);
-    return f - std::fabs(f) * 0x1p-22f;
+    return std::max(f - std::fabs(f) * 0x1p-22f, -farthest);
   }
   static float above(double x) {
     const auto f = static_cast<float>(x);
-    return f + std::fabs(f) * 0x1p-22f;
+    return std::min(f + std::fabs(f) * 0x1p-22f, farthest);
   }
   /// The box of all points between `a` and `b`, and of those no farther off than `margin` along each axis.
   static Box spanned(Vec3 a, Vec3 b, double margin) {

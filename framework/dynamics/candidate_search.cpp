@@ -3,75 +3,16 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <utility>
 
 #include "core/assert.hpp"
-#include "dynamics/box_tree.hpp"
 #include "dynamics/candidate_rows.hpp"
+#include "dynamics/search_trees.hpp"
 #include "dynamics/surface_tables.hpp"
 
 namespace kerf {
 
 namespace {
-
-/// The facets of one part, for slaves of other parts and for its own.
-struct PartFacets {
-  std::vector<std::int32_t> facet;  // in the order of the trees; dead ones stay, with empty boxes
-  BoxTree others, own;
-
-  void finish() {
-    others.finish();
-    own.finish();
-  }
-};
-
-/// Facets that one cluster of slaves meets, to be compared with each of its slaves without a search in the tree.
-struct NearbyFacets {
-  std::vector<std::int32_t> facet;
-  std::vector<BoxGroup> boxes;
-
-  void clear() {
-    facet.clear();
-    boxes.clear();
-  }
-  void add(std::int32_t f, const Box& box) {
-    const auto lane = static_cast<int>(facet.size() % BoxGroup::size);
-    if (lane == 0) boxes.emplace_back();
-    boxes.back().set(lane, box);
-    facet.push_back(f);
-  }
-  /// Calls `visit(facet)` for all that meet a box. All answers of some groups are there before the first visit: whether
-  /// one group has any is what no processor can predict.
-  template <class Visit>
-  void each(const Box& box, const Visit& visit) const {
-    constexpr std::size_t some = 64 / BoxGroup::size;
-    for (std::size_t first = 0; first < boxes.size(); first += some) {
-      std::uint64_t meeting = 0;
-      for (std::size_t g = first; g < std::min(first + some, boxes.size()); ++g)
-        meeting |= std::uint64_t{boxes[g].meeting(box)} << (BoxGroup::size * (g - first));
-      for (; meeting != 0; meeting &= meeting - 1)
-        visit(facet[BoxGroup::size * first + static_cast<std::size_t>(std::countr_zero(meeting))]);
-    }
-  }
-};
-
-/// The slaves of one part, for facets of other parts and for its own.
-struct PartSlaves {
-  /// What is asked about a slave whose box is met: its record would have to be fetched from afar.
-  struct Place {
-    std::int32_t slave = -1, number = -1;  // -1 where a cluster has room left; number of the node
-    std::uint32_t role = 0;
-  };
-  std::vector<Place> places;  // SlaveCluster::size to each cluster
-  BoxTree others, own;
-  std::int32_t open_cluster = -1;  // the one that has room for another slave
-
-  void finish() {
-    others.finish();
-    own.finish();
-  }
-};
 
 /// Facets with other boxes than before, and clusters of slaves with such.
 struct Changed {
@@ -79,22 +20,6 @@ struct Changed {
   std::vector<char> clusters, own_clusters;  // per cluster, whether
 
   explicit Changed(std::size_t n_clusters) : clusters(n_clusters, 0), own_clusters(n_clusters, 0) {}
-};
-
-/// Consecutive slaves of one part, which are neighbours as a rule: most facets are far from all of them.
-struct SlaveCluster {
-  static constexpr std::int32_t size = 16;
-  Box box, own_box;
-  std::int32_t first_place = 0;
-  std::vector<std::int32_t> slaves;
-
-  void enclose(const std::vector<ContactNodeRecord>& all) {
-    box = own_box = {};
-    for (const std::int32_t s : slaves) {
-      box.include(all[s].box);
-      own_box.include(all[s].own_box);
-    }
-  }
 };
 
 }  // namespace
@@ -110,7 +35,7 @@ struct CandidateSearch::Tables : SearchRecords {
   NearbyFacets nearby;  // facets that a cluster meets; kept for its memory
   std::vector<SlaveCluster> clusters;
   std::vector<PartSlaves> part_slaves;
-  std::vector<std::int32_t> cluster_of, place;  // per slave: the latter in the trees of its part
+  std::vector<std::int32_t> cluster_of, place;  // per slave: its cluster, and where it is in the trees of its part
   std::vector<std::int32_t> ring;  // per node number: the last mark set on it
   std::int32_t mark = 0;
   CandidateRows rows;
@@ -128,15 +53,17 @@ struct CandidateSearch::Tables : SearchRecords {
       join(static_cast<std::int32_t>(i));
       set_slave_boxes(static_cast<std::int32_t>(i));
     }
-    for (PartSlaves& p : part_slaves) p.finish();
+    for (PartSlaves& p : part_slaves) p.trees.finish();
     around.build(corners, ids, numbering.size());
     plant_trees();
     for (const SlaveCluster& cluster : clusters) find_all(cluster);
   }
 
+  /// What the trees for pairs within a part are to hold.
+  const Box* within_part(const Box& own_box) const { return same_part ? &own_box : nullptr; }
   void plant_trees() {
     for (std::size_t f = 0; f < facets.size(); ++f) plant(static_cast<std::int32_t>(f));
-    for (PartFacets& p : parts) p.finish();
+    for (PartFacets& p : parts) p.trees.finish();
   }
   /// Puts the present boxes of a facet into its part's trees.
   void plant(std::int32_t f) {
@@ -153,7 +80,7 @@ struct CandidateSearch::Tables : SearchRecords {
   void replant(const Changed& changed) {
     for (const std::vector<std::int32_t>* list : {&std::as_const(late), &changed.boxes, &changed.own_boxes})
       for (const std::int32_t f : *list) plant(f);
-    for (PartFacets& p : parts) p.finish();
+    for (PartFacets& p : parts) p.trees.finish();
     late.clear();
   }
   void uproot(std::int32_t f) {
@@ -161,15 +88,14 @@ struct CandidateSearch::Tables : SearchRecords {
   }
   void set_in_tree(std::int32_t f, const Box& box, const Box& own_box) {
     PartFacets& p = parts[facets[f].part];
-    p.others.set(static_cast<std::size_t>(place_in_tree[f]), box);
-    if (same_part) p.own.set(static_cast<std::size_t>(place_in_tree[f]), own_box);
+    p.trees.set(static_cast<std::size_t>(place_in_tree[f]), box, within_part(own_box));
   }
   /// Trees over what has changed, for every part; not for finding facets.
-  std::vector<PartFacets> trees_of(const Changed& changed) const {
-    std::vector<PartFacets> trees(parts.size());
+  std::vector<TreePair> trees_of(const Changed& changed) const {
+    std::vector<TreePair> trees(parts.size());
     for (const std::int32_t f : changed.boxes) trees[facets[f].part].others.add(facets[f].box);
     for (const std::int32_t f : changed.own_boxes) trees[facets[f].part].own.add(facets[f].own_box);
-    for (PartFacets& p : trees) p.finish();
+    for (TreePair& p : trees) p.finish();
     return trees;
   }
   Corners corners_of(const ContactFacetRecord& facet) {
@@ -203,16 +129,14 @@ struct CandidateSearch::Tables : SearchRecords {
   }
   void set_slave_boxes(std::int32_t s) {
     PartSlaves& part = part_slaves[slaves[s].part];
-    part.others.set(static_cast<std::size_t>(place[s]), slaves[s].box);
-    if (same_part) part.own.set(static_cast<std::size_t>(place[s]), slaves[s].own_box);
+    part.trees.set(static_cast<std::size_t>(place[s]), slaves[s].box, within_part(slaves[s].own_box));
   }
   /// Gives a slave other boxes, for which its cluster's only grow.
   void put(std::int32_t s, const Box& box, const Box& own_box) {
     slaves[s].box = box;
     slaves[s].own_box = own_box;
     PartSlaves& part = part_slaves[slaves[s].part];
-    part.others.put(static_cast<std::size_t>(place[s]), box);
-    if (same_part) part.own.put(static_cast<std::size_t>(place[s]), own_box);
+    part.trees.put(static_cast<std::size_t>(place[s]), box, within_part(own_box));
     clusters[cluster_of[s]].box.include(box);
     clusters[cluster_of[s]].own_box.include(own_box);
   }
@@ -277,15 +201,18 @@ struct CandidateSearch::Tables : SearchRecords {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == part;
       if (!(own ? among_own : among_others)) continue;
+      const PartFacets& part_facets = parts[p];
       nearby.clear();
-      (own ? parts[p].own : parts[p].others).each(own ? cluster.own_box : cluster.box, [&](std::size_t k, const Box& box) {
-        nearby.add(parts[p].facet[k], box);
-      });
-      if (nearby.facet.empty()) continue;
+      part_facets.trees.each(own, cluster,
+                             [&](std::size_t k, const Box& box) { nearby.add(part_facets.facet[k], box); });
+      if (nearby.empty()) continue;
       for (const std::int32_t s : cluster.slaves) {
         bool marked = false;
-        nearby.each(own ? slaves[s].own_box : slaves[s].box,
-                    [&](std::int32_t f) { meet(static_cast<std::size_t>(s), f, own, marked); });
+        const auto take = [&](std::int32_t f) { meet(static_cast<std::size_t>(s), f, own, marked); };
+        if (nearby.too_many())
+          part_facets.trees.each(own, slaves[s], [&](std::size_t k) { take(part_facets.facet[k]); });
+        else
+          nearby.each(own ? slaves[s].own_box : slaves[s].box, take);
       }
     }
     for (const std::int32_t s : cluster.slaves) settle(s);
@@ -301,9 +228,7 @@ struct CandidateSearch::Tables : SearchRecords {
     bool marked = false;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == slaves[s].part;
-      const BoxTree& tree = own ? parts[p].own : parts[p].others;
-      tree.each(own ? slaves[s].own_box : slaves[s].box,
-                [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
+      parts[p].trees.each(own, slaves[s], [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
     }
     find_late(s, marked);
     settle(static_cast<std::int32_t>(s));
@@ -336,9 +261,9 @@ struct CandidateSearch::Tables : SearchRecords {
       for (std::size_t p = 0; p < part_slaves.size(); ++p) {
         const bool own = static_cast<std::int32_t>(p) == facet.part;
         const PartSlaves& part = part_slaves[p];
-        (own ? part.own : part.others).each(own ? facet.own_box : facet.box, [&](std::size_t at) {
+        part.trees.each(own, facet, [&](std::size_t at) {
           const PartSlaves::Place& slave = part.places[at];
-          if ((role[f] & slave.role) == 0 || (own && ring[slave.number] == mark)) return;
+          if ((role[f] & slave.role) == 0 || (own && ring[slave.node] == mark)) return;
           found[slave.slave].push_back(f);
           touched.push_back(slave.slave);
         });
@@ -349,7 +274,7 @@ struct CandidateSearch::Tables : SearchRecords {
     for (const std::int32_t s : touched) settle(s);
   }
   /// Whether a cluster meets one of the facets in some trees, of its own part or of others.
-  bool meets_any(const SlaveCluster& cluster, const std::vector<PartFacets>& trees, bool own) const {
+  bool meets_any(const SlaveCluster& cluster, const std::vector<TreePair>& trees, bool own) const {
     const auto part = static_cast<std::size_t>(slaves[cluster.slaves.front()].part);
     if (own) return part < trees.size() && trees[part].own.meets(cluster.own_box);
     for (std::size_t p = 0; p < trees.size(); ++p)
@@ -359,7 +284,7 @@ struct CandidateSearch::Tables : SearchRecords {
   /// Finds anew what slaves with other boxes, and slaves near facets with other boxes, meet.
   void find_changed(const Changed& changed) {
     replant(changed);
-    const std::vector<PartFacets> trees = trees_of(changed);
+    const std::vector<TreePair> trees = trees_of(changed);
     for (std::size_t c = 0; c < clusters.size(); ++c) {
       SlaveCluster& cluster = clusters[c];
       if (changed.clusters[c] || changed.own_clusters[c]) cluster.enclose(slaves);
@@ -379,22 +304,22 @@ struct CandidateSearch::Tables : SearchRecords {
     for (const std::int32_t n : nodes)
       if (slave_of[n] >= 0 && slave_of[n] < end) find(static_cast<std::size_t>(slave_of[n]));
   }
+  std::int32_t n_facets() const { return static_cast<std::int32_t>(facets.size()); }
   /// The number of a facet; the next free one where it is not here yet.
-  std::size_t number_of_facet(std::int64_t id) {
+  std::int32_t number_of_facet(std::int64_t id) {
     while (facet_numbers.size() < ids.size()) {
       const std::size_t next = facet_numbers.size();
       const auto number = static_cast<std::size_t>(facet_numbers.number(ids[next], 0));
       KERF_ASSERT(number == next, "every facet is listed once");
     }
-    return static_cast<std::size_t>(facet_numbers.find(id, static_cast<std::int32_t>(ids.size())));
+    return facet_numbers.find(id, n_facets());
   }
   /// Takes out the facets of some elements; their corners are added to `affected`.
   void kill(const std::vector<std::int64_t>& elements, std::vector<std::int32_t>& affected) {
     for (const std::int64_t element : elements)
       for (int face = 0; face < 6; ++face) {
-        const std::size_t number_of_it = number_of_facet(element * 8 + face);
-        if (number_of_it == facets.size() || role[number_of_it] == 0) continue;
-        const auto f = static_cast<std::int32_t>(number_of_it);
+        const std::int32_t f = number_of_facet(element * 8 + face);
+        if (f == n_facets() || role[f] == 0) continue;
         role[f] = 0;
         uproot(f);
         rows.drop_facet(f);
@@ -450,14 +375,14 @@ void CandidateSearch::refresh(const std::vector<ContactFacetRecord>& facets,
   std::vector<std::int32_t> affected;
   const std::size_t first_new = t.late.size();
   for (const ContactFacetRecord& facet : facets) {
-    const std::size_t f = t.number_of_facet(facet.id);
-    if (f == t.facets.size()) {
+    const std::int32_t f = t.number_of_facet(facet.id);
+    if (f == t.n_facets()) {
       t.add(facet, affected);
       continue;
     }
     t.facets[f].box.include(facet.box);
     t.facets[f].own_box.include(facet.own_box);
-    t.late.push_back(static_cast<std::int32_t>(f));
+    t.late.push_back(f);
   }
   t.resize();
   for (const ContactNodeRecord& slave : slaves) {
@@ -476,12 +401,12 @@ void CandidateSearch::renew(const std::vector<ContactFacetRecord>& facets,
   Changed changed(t.clusters.size());
   std::vector<std::int32_t> affected;
   for (const ContactFacetRecord& facet : facets) {
-    const std::size_t f = t.number_of_facet(facet.id);
-    const bool fresh = f == t.facets.size();
+    const std::int32_t f = t.number_of_facet(facet.id);
+    const bool fresh = f == t.n_facets();
     if (fresh) t.add(facet, affected);
     ContactFacetRecord& known = t.facets[f];
-    if (fresh || !(known.box == facet.box)) changed.boxes.push_back(static_cast<std::int32_t>(f));
-    if (fresh || !(known.own_box == facet.own_box)) changed.own_boxes.push_back(static_cast<std::int32_t>(f));
+    if (fresh || !(known.box == facet.box)) changed.boxes.push_back(f);
+    if (fresh || !(known.own_box == facet.own_box)) changed.own_boxes.push_back(f);
     known.box = facet.box;
     known.own_box = facet.own_box;
   }
@@ -496,7 +421,7 @@ void CandidateSearch::renew(const std::vector<ContactFacetRecord>& facets,
     known.own_box = slave.own_box;
     t.set_slave_boxes(s);
   }
-  for (PartSlaves& p : t.part_slaves) p.finish();
+  for (PartSlaves& p : t.part_slaves) p.trees.finish();
   for (const std::int32_t n : affected) {  // the facets round them are others
     const std::int32_t s = t.slave_of[n];
     if (s < 0) continue;

@@ -130,11 +130,11 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   Vec3 x[4], undeformed[4];
   for (int k = 0; k < 4; ++k) {
     KERF_ASSERT(track_of_[r.locals[k]] >= 0, "the corners of a facet that takes part are tracked");
-    const std::int32_t track = track_of_[r.locals[k]];
+    const std::int32_t tracked = track_of_[r.locals[k]];
     x[k] = nodes.x(r.locals[k]);
-    undeformed[k] = undeformed_[track];
-    r.box.include(tracked_[track].box);
-    r.own_box.include(own_boxes_[track]);
+    undeformed[k] = undeformed_[tracked];
+    r.box.include(tracked_[tracked].box);
+    r.own_box.include(own_boxes_[tracked]);
   }
   const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
   // Facets may shrink, which makes elements thicker.
@@ -399,6 +399,7 @@ void ContactEngine::pull(const Model& model) {
   }
   for (std::size_t i = 0; i < found_->node_local.size(); ++i) {
     const auto n = static_cast<std::size_t>(found_->node_local[i]);
+    // Compiled to two moves, while std::copy_n calls the library for every node.
     std::memcpy(&position_[4 * i], &model.nodes.position[4 * n], 4 * sizeof(double));
     std::memcpy(&velocity_[4 * i], &model.nodes.velocity[4 * n], 4 * sizeof(double));
   }

@@ -67,7 +67,6 @@ class ContactEngine {
   bool refresh(Model& model, const Step& step, bool all_that_will_leave);
   void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
   std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
-  Box whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const;
   void foresee(const Model& model, std::size_t tracked, double time, unsigned boxes = in_common_frame | in_own_frame);
   bool track(const Model& model, int node, double time);
   bool takes_free(const Model& model, int node) const;
@@ -102,7 +101,9 @@ class ContactEngine {
   std::vector<Vec3> part_velocities_;  // the same of each part's [m/s]
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
-  std::vector<Box> own_boxes_;  // of the tracked nodes, seen from the frames of their parts
+  // Of the tracked nodes, seen from the frames of their parts; apart, because few parts have one of their own to look at
+  // in every cycle.
+  std::vector<Box> own_boxes_;
   std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank
   std::vector<Vec3> undeformed_;  // positions of the tracked nodes [m]
   std::vector<Stray> strays_;

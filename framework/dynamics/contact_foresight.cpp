@@ -51,6 +51,23 @@ class FrameOrigin {
   Four origin_;
 };
 
+/// How far nodes may go from a time on.
+struct Foresight {
+  double since_search, ahead;  // to that time, and from it to the next search [s]
+  double farthest_way;  // [m]
+
+  /// The box of a node that is at a position at that time and may change its velocity somewhat, seen from a frame.
+  Box whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin) const {
+    const Vec3 here = position - frame * since_search;
+    Vec3 way = (velocity - frame) * ahead;  // steps may have grown
+    // Bounded: one racing node must not make boxes that hold the whole model. It will call for a search sooner.
+    const double square = dot(way, way);
+    if (square > farthest_way * farthest_way) [[unlikely]]
+      way = way * (farthest_way / std::sqrt(square));
+    return Box::spanned(here, here + way, margin);
+  }
+};
+
 }  // namespace
 
 /// Velocity that most of the exterior nodes of each part have: the mean of those that differ little from it. The part
@@ -89,26 +106,14 @@ void ContactEngine::choose_references(const Model& model, const std::vector<std:
   drift_velocity_ = part_velocities_.empty() ? Vec3{} : part_velocities_[largest];
 }
 
-/// The box of a node that is at a position at a time and may change its velocity somewhat, until the next search, seen
-/// from a frame.
-[[gnu::always_inline]] inline Box ContactEngine::whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin, double time) const {
-  const Vec3 here = position - frame * (time - search_time_);
-  Vec3 way = (velocity - frame) * std::max(horizon_ - time, 0.0);  // steps may have grown
-  // Bounded: one racing node must not make boxes that hold the whole model. It will call for a search sooner.
-  const double square = dot(way, way), most = farthest * slack_;
-  if (square > most * most) [[unlikely]]
-    way = way * (most / std::sqrt(square));
-  return Box::spanned(here, here + way, margin);
-}
-
 /// Foresees where a node may be until the next search or renewal.
 void ContactEngine::foresee(const Model& model, std::size_t tracked, double time, unsigned boxes) {
   Tracked& t = tracked_[tracked];
   const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node), own = part_velocities_[t.part];
-  const double left = std::max(horizon_ - time, 0.0);
-  const double margin = slack_ + std::min(unsteady * norm(v - own) * left, farthest * slack_);
-  if ((boxes & in_common_frame) != 0) t.box = whereabouts(x, v, drift_velocity_, margin, time);
-  if ((boxes & in_own_frame) != 0) own_boxes_[tracked] = whereabouts(x, v, own, margin, time);
+  const Foresight from{time - search_time_, std::max(horizon_ - time, 0.0), farthest * slack_};
+  const double margin = slack_ + std::min(unsteady * norm(v - own) * from.ahead, from.farthest_way);
+  if ((boxes & in_common_frame) != 0) t.box = from.whereabouts(x, v, drift_velocity_, margin);
+  if ((boxes & in_own_frame) != 0) own_boxes_[tracked] = from.whereabouts(x, v, own, margin);
 }
 
 /// Adds a node to the tracked ones. False where it has no role in this contact.
@@ -160,14 +165,15 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
 void ContactEngine::find_outgrown(const Model& model, const Step& step) {
   strays_.clear();
   const std::vector<char> has_own = parts_with_own_frame();
+  const Foresight from{step.end() - search_time_, std::max(horizon_ - step.end(), 0.0), farthest * slack_};
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     const Tracked& t = tracked_[k];
     const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node);
     const double margin = kept_margin * slack_;
     unsigned outgrown = 0;
-    if (!t.box.contains(whereabouts(x, v, drift_velocity_, margin, step.end()))) outgrown |= in_common_frame;
+    if (!t.box.contains(from.whereabouts(x, v, drift_velocity_, margin))) outgrown |= in_common_frame;
     if (!has_own[t.part] && outgrown != 0) outgrown |= in_own_frame;
-    if (has_own[t.part] && !own_boxes_[k].contains(whereabouts(x, v, part_velocities_[t.part], margin, step.end())))
+    if (has_own[t.part] && !own_boxes_[k].contains(from.whereabouts(x, v, part_velocities_[t.part], margin)))
       outgrown |= in_own_frame;
     if (outgrown != 0) strays_.push_back({static_cast<std::int32_t>(k), outgrown});
   }

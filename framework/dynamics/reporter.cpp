@@ -68,7 +68,9 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
         HistoryWriter::resume(model.comm, folder + "history.csv", history_columns, time));
     erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
     last_ = simulation_.sample();
-    last_frame_cycle_ = -1;
+    // What the earlier run has written of this moment is not written again.
+    if (results_->last_time() == time) last_frame_cycle_ = simulation.clock().cycle();
+    if (history_->last_time() == time) last_history_cycle_ = simulation.clock().cycle();
   } else {
     if (root()) remove_what_is_stale(settings);
     results_ = std::make_unique<ResultsWriter>(model.comm, folder + "results.vtkhdf", model.n_nodes, model.n_elements,

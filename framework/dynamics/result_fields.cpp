@@ -77,20 +77,20 @@ double* copy_quotient(const PartStore& store, const Component& over, const Compo
   });
 }
 
+/// sqrt(3/2 s:s). By each_piece: which lane an element has depends on its rank, and a plain loop may be compiled so that
+/// lanes round differently.
 double* copy_von_mises(const PartStore& store, double* out) {
-  return copy_elements<1>(store, out, [&, stress = Stress(store)](int block, double (&row)[1][lane_width]) {
+  return copy_elements<1>(store, out, [stress = Stress(store)](int block, double (&row)[1][lane_width]) {
     alignas(64) double s[6][lane_width];
     stress.read_deviator(block, s);
-    // Explicitly side by side: a loop over lanes may be compiled in two ways that round differently, and where an element
-    // stands among the lanes depends on its rank.
-    for (int l = 0; l < lane_width; l += register_lanes) {
+    each_piece([&](int lane) {
       Lanes squares{};
       for (int c = 0; c < 6; ++c) {
-        const Lanes component = load_lanes(s[c] + l);
+        const Lanes component = load_lanes(s[c] + lane);
         squares += (c < 3 ? 1.5 : 3.0) * component * component;
       }
-      store_lanes(row[0] + l, sqrt_of(squares));
-    }
+      store_lanes(row[0] + lane, sqrt_of(squares));
+    });
   });
 }
 
@@ -170,48 +170,47 @@ void FrameWriter::release() {
 }
 
 /// Room for the values of one field.
-double* FrameWriter::room_for(int components, std::size_t n_entities) {
-  const auto n = static_cast<std::size_t>(components);
-  if (values_.size() < n * n_entities) values_.resize(n * n_entities);
-  field_ = {values_.data(), n_entities, n, nullptr};
+double* FrameWriter::room_for(std::size_t n) {
+  if (values_.size() < n) {
+    values_.clear();  // nothing to be copied
+    values_.resize(n);
+  }
   return values_.data();
 }
 
-/// Nodal fields are written from where they are; displacements have to be made.
-void FrameWriter::fill_nodes(const std::string& name) {
+/// A nodal field, as far as possible where it is. Valid until the next one.
+HeldValues<double> FrameWriter::nodal(const std::string& name) {
   const NodeStore& nodes = model_.nodes;
-  const auto rows_of = [&](const double* nodal, std::size_t stride) {
-    field_ = {nodal, local_.size(), stride, local_.data()};
-  };
-  if (name == "mass") return rows_of(nodes.mass.data(), 1);
-  if (name == "velocity") return rows_of(nodes.velocity.data(), 4);
-  if (name == "position") return rows_of(nodes.position.data(), 4);
-  double* out = room_for(3, local_.size());
+  const std::size_t n = local_.size();
+  if (name == "mass") return {nodes.mass.data(), n, 1, local_.data()};
+  if (name == "velocity") return {nodes.velocity.data(), n, 4, local_.data()};
+  if (name == "position") return {nodes.position.data(), n, 4, local_.data()};
+  double* out = room_for(3 * n);  // displacement
   for (const std::int32_t i : local_) {
     const Vec3 moved = nodes.x(i) - reference_position(model_, nodes.id[i]);
     for (int d = 0; d < 3; ++d) *out++ = moved[d];
   }
+  return {values_.data(), n, 3, nullptr};
 }
 
-void FrameWriter::fill_elements(const std::string& name) {
-  double* out = room_for(components_of(name), live_.size());
+/// A field of the live elements. Valid until the next one.
+HeldValues<double> FrameWriter::elemental(const std::string& name) {
+  const auto n_components = static_cast<std::size_t>(components_of(name));
+  double* const begin = room_for(n_components * live_.size());
+  double* out = begin;
   for (const PartModel& part : model_.parts) out = copy_elements_of(*part.store, name, out);
-  KERF_ASSERT(out == field_.data + field_.n_entities * field_.stride, "the live elements are those that were listed");
+  KERF_ASSERT(out == begin + n_components * live_.size(), "the live elements are those that were listed");
+  return {begin, live_.size(), n_components, nullptr};
 }
 
 void FrameWriter::write(double time, ResultsWriter& results) {
   results.begin_frame(time, list_entities());
-  fill_nodes("position");
-  results.add_points(owned_, field_);
+  results.add_points(owned_, nodal("position"));
   results.add_alive(live_);
-  for (const std::string& name : output_.node_fields) {
-    fill_nodes(name);
-    results.add_node_field(name, name == "mass" ? 1 : 3, owned_, field_);
-  }
-  for (const std::string& name : output_.element_fields) {
-    fill_elements(name);
-    results.add_element_field(name, components_of(name), live_, field_);
-  }
+  for (const std::string& name : output_.node_fields)
+    results.add_node_field(name, name == "mass" ? 1 : 3, owned_, nodal(name));
+  for (const std::string& name : output_.element_fields)
+    results.add_element_field(name, components_of(name), live_, elemental(name));
   results.end_frame();
   release();
 }

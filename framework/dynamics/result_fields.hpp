@@ -21,9 +21,9 @@ class FrameWriter {
  private:
   bool list_entities();
   void release();
-  double* room_for(int components, std::size_t n_entities);
-  void fill_nodes(const std::string& name);
-  void fill_elements(const std::string& name);
+  double* room_for(std::size_t n);
+  HeldValues<double> nodal(const std::string& name);
+  HeldValues<double> elemental(const std::string& name);
 
   const Model& model_;
   const OutputInput& output_;
@@ -31,7 +31,6 @@ class FrameWriter {
   std::vector<std::int64_t> owned_, live_;  // ids
   std::vector<std::int32_t> local_;  // numbers of the owned nodes
   std::vector<double> values_;  // room for a field; kept because touching fresh memory costs as much as writing it
-  HeldValues<double> field_;  // the present one
 };
 
 }  // namespace kerf

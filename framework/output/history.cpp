@@ -43,7 +43,7 @@ std::string header_of(const std::vector<HistoryColumn>& columns) {
 
 /// Copies header and rows up to `time` to a new file that then takes the place of the old one, so that an
 /// interruption leaves one of the two.
-void cut_back(const std::string& path, const std::string& header, double time) {
+double cut_back(const std::string& path, const std::string& header, double time) {
   std::ifstream in(path);
   if (!in) throw std::runtime_error("cannot open \"" + path + "\" to continue it");
   std::string line;
@@ -52,15 +52,19 @@ void cut_back(const std::string& path, const std::string& header, double time) {
   const std::string kept = path + ".part";
   std::ofstream out(kept, std::ios::trunc);
   out << header << '\n';
+  double last_time = -1.0;
   while (std::getline(in, line)) {
     if (in.eof()) break;  // no end of line: the row was cut off in the middle
     char* end = nullptr;
     const double row_time = std::strtod(line.c_str(), &end);
-    if (end != line.c_str() && row_time <= time) out << line << '\n';
+    if (end == line.c_str() || row_time > time) continue;
+    out << line << '\n';
+    last_time = row_time;
   }
   out.close();
   if (!out) throw std::runtime_error("cannot write \"" + kept + "\"");
   std::filesystem::rename(kept, path);
+  return last_time;
 }
 
 }  // namespace
@@ -81,8 +85,12 @@ CsvFile::CsvFile(MPI_Comm comm, const std::string& path, const std::string& head
 }
 
 CsvFile CsvFile::resume(MPI_Comm comm, const std::string& path, const std::string& header, double time) {
-  on_root(comm, [&] { cut_back(path, header, time); });
-  return CsvFile(comm, path);
+  double last_time = -1.0;
+  on_root(comm, [&] { last_time = cut_back(path, header, time); });
+  MPI_Bcast(&last_time, 1, MPI_DOUBLE, 0, comm);
+  CsvFile file(comm, path);
+  file.last_time_ = last_time;
+  return file;
 }
 
 void CsvFile::append(const std::string& lines) {

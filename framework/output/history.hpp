@@ -27,6 +27,8 @@ class CsvFile {
   static CsvFile resume(MPI_Comm comm, const std::string& path, const std::string& header, double time);
 
   bool is_writer() const { return file_ != nullptr; }
+  /// First column of the last row that resume() kept; -1 without any. The same on all ranks.
+  double last_time() const { return last_time_; }
   /// Adds finished lines and flushes. Nothing happens where this rank is not the writer.
   void append(const std::string& lines);
 
@@ -37,6 +39,7 @@ class CsvFile {
   CsvFile(MPI_Comm comm, const std::string& path);
   std::string path_;
   std::unique_ptr<std::FILE, Close> file_;
+  double last_time_ = -1.0;
 };
 
 struct HistoryColumn {
@@ -52,6 +55,8 @@ class HistoryWriter {
   /// Goes on with the file of an earlier run, keeping the rows up to and including `time`. Collective.
   static HistoryWriter resume(MPI_Comm comm, const std::string& path, const std::vector<HistoryColumn>& columns,
                               double time);
+  /// Time of the last row that resume() kept; -1 without any. The same on all ranks.
+  double last_time() const { return file_.last_time(); }
   /// Adds one row. Pre: one value per column. Not collective: ranks other than 0 may call it or not.
   void write(std::span<const double> row);
 

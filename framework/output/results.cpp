@@ -104,6 +104,7 @@ class ResultsWriter::Impl {
   Entities& nodes() { return nodes_; }
   Entities& elements() { return elements_; }
   std::int64_t n_frames() const { return n_frames_; }
+  double last_time() const { return n_frames_ > 0 ? time_ : -1.0; }
 
  private:
   void open_steps(bool create);
@@ -140,7 +141,7 @@ class ResultsWriter::Impl {
   std::vector<float> scratch_float_;
   std::vector<double> scratch_double_;
   bool in_frame_ = false, has_topology_ = false, has_points_ = false;
-  double time_ = 0.0;
+  double time_ = 0.0;  // of the frame that is being written or was last [s]
 };
 
 // ---------------------------------------------------------------------------------------------------------
@@ -190,6 +191,7 @@ ResultsWriter::Impl::Impl(MPI_Comm comm, const std::string& path, int keep_frame
     }
   }
   has_topology_ = true;
+  if (n_frames_ > 0) hdf5::read_rows<double>(times_, n_frames_ - 1, {&time_, 1});
   read_last_points();
 }
 
@@ -430,5 +432,6 @@ void ResultsWriter::add_element_field(const std::string& name, int components,
 void ResultsWriter::add_alive(std::span<const std::int64_t> live_elements) { impl_->add_alive(live_elements); }
 void ResultsWriter::end_frame() { impl_->end_frame(); }
 int ResultsWriter::n_frames() const { return static_cast<int>(impl_->n_frames()); }
+double ResultsWriter::last_time() const { return impl_->last_time(); }
 
 }  // namespace kerf

@@ -17,7 +17,7 @@
 
 namespace kerf {
 
-/// One parallel file of results. All functions are collective; ranks that hold nothing pass empty spans.
+/// One parallel file of results. All functions are collective; ranks that hold nothing pass empty lists and values.
 ///
 /// Calls per file: write_topology once, then per frame begin_frame, the add_* calls in the same order on all
 /// ranks, end_frame. The set of fields is fixed by the first frame. Misuse throws std::logic_error, failures of
@@ -58,6 +58,8 @@ class ResultsWriter {
 
   /// Complete frames in the file.
   int n_frames() const;
+  /// Time of the last of them; -1 without any.
+  double last_time() const;
 
  private:
   class Impl;

@@ -68,7 +68,7 @@ auto in_order(std::size_t n) {
 }
 template <class Given>
 auto held(const std::vector<std::int32_t>& list, const HeldValues<Given>& values) {
-  return [data = list.data(), &values](std::size_t i) { return values.begin(static_cast<std::size_t>(data[i])); };
+  return [data = list.data(), &values](std::size_t i) { return values.offset_of(static_cast<std::size_t>(data[i])); };
 }
 
 enum Fault { none = 0, out_of_range = 1, repeated = 2, too_many = 3 };
@@ -146,7 +146,7 @@ void SlabExchange::update_slab(const std::type_identity_t<HeldValues<Given>>& va
                                std::span<std::type_identity_t<T>> slab) const {
   require(components > 0, "the number of components has to be positive");
   const auto n = static_cast<std::size_t>(components);
-  require(values.n_entities == static_cast<std::size_t>(n_held_) && values.stride >= n,
+  require(values.n_entities == static_cast<std::size_t>(n_held_) && (n_held_ == 0 || values.stride >= n),
           "there have to be `components` values per held id");
   require(slab.size() == present_.size() * n, "the slab has the wrong size");
   copy_entities(local_held_.size(), n, values.data, held(local_held_, values), slab.data(), listed(local_slot_, n));

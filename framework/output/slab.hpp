@@ -6,29 +6,31 @@
 
 #include <mpi.h>
 
-#include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <type_traits>
 #include <vector>
 
 namespace kerf {
 
-/// Values of held entities: those of the i-th begin at data[i * stride], or at data[row[i] * stride].
+/// Values of held entities: those of the i-th begin at data[i * stride] or, where there are rows, one per entity, at
+/// data[row[i] * stride]. Empty by default.
 template <class T>
 struct HeldValues {
   const T* data = nullptr;
   std::size_t n_entities = 0, stride = 0;
   const std::int32_t* row = nullptr;
 
-  /// All entities' values one after another. A list that does not come out even fits no number of entities.
+  /// All entities' values one after another.
   static HeldValues in_order(std::span<const T> values, int components) {
-    const auto n = static_cast<std::size_t>(std::max(components, 1));
-    return {values.data(), values.size() % n == 0 ? values.size() / n : std::numeric_limits<std::size_t>::max(), n};
+    const auto n = static_cast<std::size_t>(components);
+    if (components <= 0 || values.size() % n != 0)
+      throw std::invalid_argument("there have to be `components` values per held id");
+    return {values.data(), values.size() / n, n, nullptr};
   }
-  std::size_t begin(std::size_t i) const { return (row != nullptr ? static_cast<std::size_t>(row[i]) : i) * stride; }
+  std::size_t offset_of(std::size_t i) const { return (row != nullptr ? static_cast<std::size_t>(row[i]) : i) * stride; }
 };
 
 /// A communication plan from the entities that ranks hold to contiguous slabs, built once and used often.
@@ -68,7 +70,8 @@ class SlabExchange {
     return slab;
   }
 
-  /// As to_slab, but leaves the entries of `slab` alone where nobody holds the entity. Collective.
+  /// As to_slab, but leaves the entries of `slab` alone where nobody holds the entity. Pre: as many entities as gids, no
+  /// fewer values from one to the next than `components`. Collective.
   template <class T, class Given = T>
   void update_slab(const std::type_identity_t<HeldValues<Given>>& values, int components,
                    std::span<std::type_identity_t<T>> slab) const;

@@ -228,13 +228,27 @@ def test_a_run_that_maximum_cycles_ends_goes_on_where_restart_files_are_asked_fo
     # The interval is longer than the run: it is the end of the cycles that writes the file.
     asked = ["--set", "output.restart_interval=1 s"]
     assert kerf("run", "case.yaml", "--output", "out", *few, *asked, cwd=case).returncode == 0
-    nothing = kerf("run", "case.yaml", "--output", "out", "--resume", *few, *asked, cwd=case)
-    assert nothing.returncode == 0 and summary_of(case / "out")["cycles"] == 20
-    assert "has come to time.maximum_cycles (20) already; no cycle is left to make" in nothing.stdout
+    before = list(frames(case / "out")), columns(case / "out")[:, 0].tolist()
+    for ranks in (1, 2):
+        nothing = kerf("run", "case.yaml", "--output", "out", "--resume", *on_ranks(ranks), *few, *asked, cwd=case)
+        assert nothing.returncode == 0 and summary_of(case / "out")["cycles"] == 20
+        assert "has come to time.maximum_cycles (20) already; no cycle is left to make; raise it" in nothing.stdout
+        # Nothing that is there is written again.
+        assert (list(frames(case / "out")), columns(case / "out")[:, 0].tolist()) == before
     done = kerf("run", "case.yaml", "--output", "out", "--resume", *settings(LONG), cwd=case)
     assert done.returncode == 0, done.stderr
     assert summary_of(case / "out")["state_hash"] == summary_of(uninterrupted / "out")["state_hash"]
-    frames(case / "out")
+    assert (np.diff(frames(case / "out")) > 0.0).all() and (np.diff(columns(case / "out")[:, 0]) > 0.0).all()
+
+
+def test_a_run_that_has_come_to_its_end_has_nothing_to_resume(case):
+    ends = settings(LONG | {"time.end": "0.2 us", "output.restart_interval": "0.2 us"})
+    assert kerf("run", "case.yaml", "--output", "out", *ends, cwd=case).returncode == 0
+    before = list(frames(case / "out")), columns(case / "out")[:, 0].tolist()
+    done = kerf("run", "case.yaml", "--output", "out", "--resume", *ends, cwd=case)
+    assert done.returncode == 0, done.stderr
+    assert "has come to time.end already; no cycle is left to make" in done.stdout
+    assert (list(frames(case / "out")), columns(case / "out")[:, 0].tolist()) == before
 
 
 def test_ranks_do_not_outlive_the_command_that_started_them(case):

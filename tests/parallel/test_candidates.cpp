@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -22,7 +23,8 @@ using Pair = std::pair<std::int64_t, std::int64_t>;  // slave id, facet id
 /// Blocks of hexahedra with displaced nodes, of which some elements are dead: a surface with all its neighbourhood.
 class RandomSurface {
  public:
-  explicit RandomSurface(unsigned seed) : random_(seed) {
+  /// `n`: cells along an edge of a block, up to 15.
+  explicit RandomSurface(unsigned seed, int n = 4) : n_(n), random_(seed) {
     for (int part = 0; part < 3; ++part) add_block(part);
   }
 
@@ -74,11 +76,13 @@ class RandomSurface {
   }
 
  private:
-  static constexpr int n_ = 4;  // cells along an edge
+  static constexpr int row = 16, layer = row * row, block = row * layer;  // in numbers of elements
   static std::int64_t node_id(int part, int i, int j, int k) {
-    return (((part * 8LL + k) * 8 + j) * 8 + i) * 1000003LL;
+    return element_id(part, i, j, k) * 1000003LL;
   }
-  static std::int64_t element_id(int part, int i, int j, int k) { return ((part * 8LL + k) * 8 + j) * 8 + i; }
+  static std::int64_t element_id(int part, int i, int j, int k) {
+    return std::int64_t{block} * part + layer * k + row * j + i;
+  }
 
   void add_block(int part) {
     const Vec3 corner{real(0.0, 3.0), real(0.0, 3.0), real(0.0, 3.0)};
@@ -114,7 +118,7 @@ class RandomSurface {
   }
 
   std::array<std::int64_t, 8> corners(std::int64_t e) const {
-    const int i = e % 8, j = e / 8 % 8, k = e / 64 % 8, p = static_cast<int>(e / 512);
+    const int i = e % row, j = e / row % row, k = e / layer % row, p = static_cast<int>(e / block);
     return {node_id(p, i, j, k),
             node_id(p, i + 1, j, k),
             node_id(p, i + 1, j + 1, k),
@@ -127,13 +131,13 @@ class RandomSurface {
   /// The element on the other side of a face and its number of that face; -1 where the block ends.
   std::pair<std::int64_t, int> neighbour(std::int64_t e, int face) const {
     static constexpr int step[6][3] = {{0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
-    const int at[3] = {static_cast<int>(e % 8), static_cast<int>(e / 8 % 8), static_cast<int>(e / 64 % 8)};
+    const int at[3] = {static_cast<int>(e % row), static_cast<int>(e / row % row), static_cast<int>(e / layer % row)};
     int to[3];
     for (int d = 0; d < 3; ++d) {
       to[d] = at[d] + step[face][d];
       if (to[d] < 0 || to[d] >= n_) return {-1, 0};
     }
-    return {element_id(static_cast<int>(e / 512), to[0], to[1], to[2]), opposite_face[face]};
+    return {element_id(static_cast<int>(e / block), to[0], to[1], to[2]), opposite_face[face]};
   }
   const ContactNodeRecord& node(std::int64_t id) const { return nodes_.at(id); }
   /// How far a node sweeps: not at all, or up to half a cell.
@@ -142,7 +146,7 @@ class RandomSurface {
   ContactFacetRecord facet(std::int64_t element, int face) {
     ContactFacetRecord f;
     f.id = element * 8 + face;
-    f.part = static_cast<std::int32_t>(element / 512);
+    f.part = static_cast<std::int32_t>(element / block);
     f.role = roles_.at(element);
     const auto c = corners(element);
     const auto& far_side = hex_face[opposite_face[face]];
@@ -160,6 +164,7 @@ class RandomSurface {
   }
   static double scatter_of(std::int64_t id) { return static_cast<double>(id * 2654435761LL % 1000) * 1e-3; }
 
+  int n_;
   std::mt19937 random_;
   std::map<std::int64_t, ContactNodeRecord> nodes_;
   std::map<std::int64_t, bool> alive_;
@@ -353,6 +358,42 @@ TEST(CandidateSearch, misses_no_pair_when_nodes_stray_and_the_surface_changes) {
         expect_well_formed(surface, search.candidates());
       }
     }
+}
+
+TEST(CandidateSearch, a_facet_with_an_infinite_box_meets_every_slave_and_nothing_else) {
+  for (const bool same_part : {true, false}) {
+    RandomSurface surface(3);
+    // A law's reach may have no bound; clusters of slaves have places that are empty.
+    CandidateSearch search(surface.slaves, surface.facets, same_part, 0);
+    search.candidates();
+    std::vector<ContactFacetRecord> opened;
+    std::vector<ContactNodeRecord> joined;
+    const std::int64_t dead = surface.live_elements().front();
+    surface.kill(dead, opened, joined);
+    ASSERT_FALSE(opened.empty());
+    for (ContactFacetRecord& f : surface.facets) {
+      if (f.id != opened.front().id) continue;
+      f.box.inflate(std::numeric_limits<double>::infinity());
+      f.own_box.inflate(std::numeric_limits<double>::infinity());
+      opened.front() = f;
+    }
+    search.change({dead}, opened, joined);
+    EXPECT_TRUE(pairs_of(search.candidates()) == all_pairs(surface, same_part));
+    expect_well_formed(surface, search.candidates());
+  }
+}
+
+TEST(CandidateSearch, clusters_that_meet_very_many_facets_miss_none) {
+  // All slaves reach everywhere: every cluster meets the facets of a whole part, which are more than it lists.
+  RandomSurface surface(5, 10);
+  for (ContactNodeRecord& s : surface.slaves)
+    for (int d = 0; d < 3; ++d) {
+      s.box.low[d] = s.own_box.low[d] = -100.0f;
+      s.box.high[d] = s.own_box.high[d] = 100.0f;
+    }
+  EXPECT_GT(surface.facets.size(), 3u * 512u);
+  CandidateSearch search(surface.slaves, surface.facets, true, 0);
+  EXPECT_TRUE(pairs_of(search.candidates()) == all_pairs(surface, true));
 }
 
 TEST(CandidateSearch, finds_nothing_where_there_is_nothing) {
