@@ -79,7 +79,7 @@ def binary():
 @pytest.fixture(scope="session")
 def kerf(binary, tmp_path_factory):
     """kerf(model, *settings) runs an input file, or a model given as a dictionary, to its end; settings are
-    KEY.PATH=VALUE texts. The run must complete unless `completes` is False."""
+    KEY.PATH=VALUE texts. The run, on `ranks` ranks, must complete unless `completes` is False."""
 
     def run(model, *settings, completes=True, timeout=600, ranks=1):
         folder = tmp_path_factory.mktemp("run")

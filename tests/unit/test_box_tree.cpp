@@ -23,7 +23,7 @@ class Boxes {
     }
     return box;
   }
-  /// Three rows of places fill up sixteen by sixteen, with gaps, as clusters of slaves do.
+  /// Three rows of places fill up sixteen by sixteen, with gaps.
   std::size_t next_place() {
     Row& row = rows_[random_() % 3];
     if (row.left == 0) {
