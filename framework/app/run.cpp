@@ -84,9 +84,9 @@ int run(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
   settings.input_digest = input->digest + " " + state_hash(simulation.model());
   Reporter reporter(simulation, *input, settings);
   if (options.resume && !simulation.clock().running() && rank_of(comm) == 0)
-    fmt::print("note: the run that is resumed has come to {} already; no cycle is left to make; raise it to go on\n",
-               simulation.clock().at_end() ? "time.end"
-                                           : fmt::format("time.maximum_cycles ({})", input->time.maximum_cycles));
+    fmt::print(
+        "note: the run that is resumed has come to {} already; no cycle is left to make; raise it to go on\n",
+        simulation.clock().at_end() ? "time.end" : fmt::format("time.maximum_cycles ({})", input->time.maximum_cycles));
   try {
     simulation.run();
   } catch (const PhysicsError& e) {

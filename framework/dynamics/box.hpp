@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// An axis-parallel box in single precision, rounded outwards; empty by default. No box that is made of lengths, however
-/// large these are, meets an empty one.
+/// An axis-parallel box in single precision, rounded outwards; empty by default. No box that is made of lengths,
+/// however large these are, meets an empty one.
 struct Box {
   static constexpr float far = 3e38f, farthest = 1e38f;
   float low[3] = {far, far, far}, high[3] = {-far, -far, -far};  // [m]

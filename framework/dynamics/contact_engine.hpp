@@ -101,8 +101,8 @@ class ContactEngine {
   std::vector<Vec3> part_velocities_;  // the same of each part's [m/s]
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
-  // Of the tracked nodes, seen from the frames of their parts; apart, because few parts have one of their own to look at
-  // in every cycle.
+  // Of the tracked nodes, seen from the frames of their parts; apart, because few parts have one of their own to look
+  // at in every cycle.
   std::vector<Box> own_boxes_;
   std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank
   std::vector<Vec3> undeformed_;  // positions of the tracked nodes [m]

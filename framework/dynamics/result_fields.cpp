@@ -69,7 +69,7 @@ class Stress {
 };
 
 double* copy_quotient(const PartStore& store, const Component& over, const Component& under, double* out) {
-  return copy_elements<1>(store, out, [&](int block, double (&row)[1][lane_width]) {
+  return copy_elements<1>(store, out, [&](int block, double(&row)[1][lane_width]) {
     alignas(64) double divisor[lane_width];
     over.read(block, row[0]);
     under.read(block, divisor);
@@ -77,10 +77,10 @@ double* copy_quotient(const PartStore& store, const Component& over, const Compo
   });
 }
 
-/// sqrt(3/2 s:s). By each_piece: which lane an element has depends on its rank, and a plain loop may be compiled so that
-/// lanes round differently.
+/// sqrt(3/2 s:s). By each_piece: which lane an element has depends on its rank, and a plain loop may be compiled so
+/// that lanes round differently.
 double* copy_von_mises(const PartStore& store, double* out) {
-  return copy_elements<1>(store, out, [stress = Stress(store)](int block, double (&row)[1][lane_width]) {
+  return copy_elements<1>(store, out, [stress = Stress(store)](int block, double(&row)[1][lane_width]) {
     alignas(64) double s[6][lane_width];
     stress.read_deviator(block, s);
     each_piece([&](int lane) {
@@ -95,16 +95,14 @@ double* copy_von_mises(const PartStore& store, double* out) {
 }
 
 double* copy_component(const PartStore& store, const Component& component, double* out) {
-  return copy_elements<1>(store, out,
-                          [&](int block, double (&row)[1][lane_width]) { component.read(block, row[0]); });
+  return copy_elements<1>(store, out, [&](int block, double(&row)[1][lane_width]) { component.read(block, row[0]); });
 }
 
 double* copy_elements_of(const PartStore& store, const std::string& name, double* out) {
   const Component mass(store, PartStore::mass);
   if (name == "stress")
-    return copy_elements<6>(store, out, [stress = Stress(store)](int block, double (&rows)[6][lane_width]) {
-      stress.read(block, rows);
-    });
+    return copy_elements<6>(
+        store, out, [stress = Stress(store)](int block, double(&rows)[6][lane_width]) { stress.read(block, rows); });
   if (name == "von_mises") return copy_von_mises(store, out);
   if (name == "pressure") return copy_component(store, {store, PartStore::pressure}, out);
   if (name == "density") return copy_quotient(store, mass, {store, PartStore::volume}, out);
@@ -112,7 +110,7 @@ double* copy_elements_of(const PartStore& store, const std::string& name, double
   if (const auto [field, component] = store.find_variable(name); field != PartStore::n_fields)
     return copy_component(store, {store, field, component}, out);
   // A variable that this part's laws do not have is zero there.
-  return copy_elements<1>(store, out, [](int, double (&row)[1][lane_width]) { std::fill_n(row[0], lane_width, 0.0); });
+  return copy_elements<1>(store, out, [](int, double(&row)[1][lane_width]) { std::fill_n(row[0], lane_width, 0.0); });
 }
 
 int components_of(const std::string& element_field) { return element_field == "stress" ? 6 : 1; }

@@ -36,8 +36,8 @@ void require(bool holds, const char* sentence) {
   if (!holds) throw std::invalid_argument(sentence);
 }
 
-/// Copies n values per entity, from source + from(i) to target + to(i). Common numbers of components are constants, which
-/// lets the compiler unroll.
+/// Copies n values per entity, from source + from(i) to target + to(i). Common numbers of components are constants,
+/// which lets the compiler unroll.
 template <class T, class Given, class From, class To>
 void copy_entities(std::size_t count, std::size_t n, const Given* source, From&& from, T* target, To&& to) {
   const auto copy = [&](auto components) {
@@ -192,7 +192,7 @@ const SlabExchange& SlabExchangeCache::get(MPI_Comm comm, std::int64_t n_global,
   return *plan_;
 }
 
-#define KERF_SLAB_TYPES(T, Given)                                                                      \
+#define KERF_SLAB_TYPES(T, Given)                                                                        \
   template void SlabExchange::update_slab<T, Given>(const std::type_identity_t<HeldValues<Given>>&, int, \
                                                     std::span<std::type_identity_t<T>>) const;
 KERF_SLAB_TYPES(double, double)

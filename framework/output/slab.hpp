@@ -30,7 +30,9 @@ struct HeldValues {
       throw std::invalid_argument("there have to be `components` values per held id");
     return {values.data(), values.size() / n, n, nullptr};
   }
-  std::size_t offset_of(std::size_t i) const { return (row != nullptr ? static_cast<std::size_t>(row[i]) : i) * stride; }
+  std::size_t offset_of(std::size_t i) const {
+    return (row != nullptr ? static_cast<std::size_t>(row[i]) : i) * stride;
+  }
 };
 
 /// A communication plan from the entities that ranks hold to contiguous slabs, built once and used often.
@@ -70,8 +72,8 @@ class SlabExchange {
     return slab;
   }
 
-  /// As to_slab, but leaves the entries of `slab` alone where nobody holds the entity. Pre: as many entities as gids, no
-  /// fewer values from one to the next than `components`. Collective.
+  /// As to_slab, but leaves the entries of `slab` alone where nobody holds the entity. Pre: as many entities as gids,
+  /// no fewer values from one to the next than `components`. Collective.
   template <class T, class Given = T>
   void update_slab(const std::type_identity_t<HeldValues<Given>>& values, int components,
                    std::span<std::type_identity_t<T>> slab) const;

@@ -57,8 +57,11 @@ struct Hex8 final : Element {
 
  private:
   hex8::Control control() const {
-    return {stable_step == "free_element", hourglass == "stiffness", hourglass_coefficient, linear_viscosity,
-            quadratic_viscosity};
+    return {.free_element = stable_step == "free_element",
+            .stiffness = hourglass == "stiffness",
+            .hourglass_coefficient = hourglass_coefficient,
+            .linear_viscosity = linear_viscosity,
+            .quadratic_viscosity = quadratic_viscosity};
   }
 };
 

@@ -77,9 +77,7 @@ class RandomSurface {
 
  private:
   static constexpr int row = 16, layer = row * row, block = row * layer;  // in numbers of elements
-  static std::int64_t node_id(int part, int i, int j, int k) {
-    return element_id(part, i, j, k) * 1000003LL;
-  }
+  static std::int64_t node_id(int part, int i, int j, int k) { return element_id(part, i, j, k) * 1000003LL; }
   static std::int64_t element_id(int part, int i, int j, int k) {
     return std::int64_t{block} * part + layer * k + row * j + i;
   }

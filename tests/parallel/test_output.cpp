@@ -150,6 +150,24 @@ void check_round_trip(std::int64_t n, int components, int rank, int n_ranks) {
   EXPECT_EQ(from_rows, slab);
 }
 
+TEST_F(Slab, doubles_apart_become_floats_in_order) {
+  const Ids gids = held_ids(200, rank, n_ranks, 1);
+  const SlabExchange plan(MPI_COMM_WORLD, 200, gids);
+  std::vector<double> rows(4 * gids.size(), -1.0);
+  std::vector<std::int32_t> row(gids.size());
+  for (std::size_t i = 0; i < gids.size(); ++i) {
+    row[i] = static_cast<std::int32_t>((i + 1) % gids.size());
+    for (std::size_t c = 0; c < 3; ++c)
+      rows[4 * static_cast<std::size_t>(row[i]) + c] = static_cast<double>(gids[i]) / 3.0 + static_cast<double>(c);
+  }
+  std::vector<float> slab(3 * static_cast<std::size_t>(plan.slab_size()));
+  plan.update_slab<float, double>({rows.data(), gids.size(), 4, row.data()}, 3, slab);
+  for (std::size_t i = 0; i < slab.size(); ++i) {
+    const double gid = static_cast<double>(plan.begin() + static_cast<std::int64_t>(i / 3));
+    EXPECT_EQ(slab[i], static_cast<float>(gid / 3.0 + static_cast<double>(i % 3)));
+  }
+}
+
 TEST_F(Slab, values_come_back_for_every_type_and_number_of_components) {
   for (const std::int64_t n : {0, 1, 2, 7, 500}) {
     check_round_trip<double>(n, 3, rank, n_ranks);
