@@ -85,8 +85,11 @@ int run(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
   Reporter reporter(simulation, *input, settings);
   if (options.resume && !simulation.clock().running() && rank_of(comm) == 0)
     fmt::print(
-        "note: the run that is resumed has come to {} already; no cycle is left to make; raise it to go on\n",
-        simulation.clock().at_end() ? "time.end" : fmt::format("time.maximum_cycles ({})", input->time.maximum_cycles));
+        "note: the run that is resumed stands at cycle {}, {:.6g} s, and has come to {} already; no cycle is left "
+        "to make; raise it to go on\n",
+        simulation.clock().cycle(), simulation.clock().time(),
+        simulation.clock().at_end() ? fmt::format("time.end ({:.6g} s)", input->time.end)
+                                    : fmt::format("time.maximum_cycles ({})", input->time.maximum_cycles));
   try {
     simulation.run();
   } catch (const PhysicsError& e) {

@@ -20,9 +20,9 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
   std::vector<std::int64_t> ids, integers;
   std::vector<double> reals;
   std::vector<std::array<std::int64_t, 3>> contact(static_cast<std::size_t>(nodes.n()), {0, 0, 0});
-  for (const ContactLoad& load : simulation.contact_loads())
-    for (std::size_t k = 0; k < load.nodes.size(); ++k)
-      for (int d = 0; d < 3; ++d) contact[load.nodes[k]][d] += load.force[4 * k + d];
+  const ContactLoad& load = simulation.contact_load();
+  for (std::size_t k = 0; k < load.nodes.size(); ++k)
+    for (int d = 0; d < 3; ++d) contact[load.nodes[k]][d] = load.force[4 * k + d];
   for (int i = 0; i < nodes.n(); ++i) {
     if (!nodes.owned[i]) continue;
     const NodeRecord r = nodes.record(i);

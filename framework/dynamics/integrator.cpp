@@ -176,7 +176,7 @@ void Integrator::advance_guarded(Model& model, const Step& step, const std::vect
   }
 }
 
-void Integrator::kick_and_drift(Model& model, const Step& step, const std::vector<ContactLoad>& loads, Ledger& ledger) {
+void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoad& load, Ledger& ledger) {
   NodeStore& nodes = model.nodes;
   const double quantum = model.quanta.force.quantum;
   // What must be known of the time before the kick: constrained velocities are found while positions still stand
@@ -191,10 +191,9 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const std::vecto
     count(model, c.node, before, free_flight, v, ledger);
   }
   old_load_velocity_.clear();
-  for (const ContactLoad& load : loads)
-    for (const std::int32_t n : load.nodes)
-      old_load_velocity_.insert(old_load_velocity_.end(),
-                                {nodes.velocity[4 * n], nodes.velocity[4 * n + 1], nodes.velocity[4 * n + 2]});
+  for (const std::int32_t n : load.nodes)
+    old_load_velocity_.insert(old_load_velocity_.end(),
+                              {nodes.velocity[4 * n], nodes.velocity[4 * n + 1], nodes.velocity[4 * n + 2]});
 
   if (near_.empty())
     advance_nodes(nodes, quantum, step.kick_dt(), step.dt, [](int, Quad, Quad, Quad, Quad) {});
@@ -207,17 +206,15 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const std::vecto
     nodes.set_v(constrained_[k].node, v);
     nodes.set_x(constrained_[k].node, Vec3{s[3], s[4], s[5]} + v * step.dt);
   }
-  std::size_t at = 0;
-  for (const ContactLoad& load : loads)
-    for (std::size_t k = 0; k < load.nodes.size(); ++k, at += 3) {
-      const Vec3 before{old_load_velocity_[at], old_load_velocity_[at + 1], old_load_velocity_[at + 2]};
-      ledger.accounts.contact +=
-          contact_work(model, ledger, load, k, step.kick_dt(), (before + nodes.v(load.nodes[k])) * 0.5);
-    }
+  for (std::size_t k = 0; k < load.nodes.size(); ++k) {
+    const double* v = &old_load_velocity_[3 * k];
+    const Vec3 before{v[0], v[1], v[2]};
+    ledger.accounts.contact +=
+        contact_work(model, ledger, load, k, step.kick_dt(), (before + nodes.v(load.nodes[k])) * 0.5);
+  }
 }
 
-Balance Integrator::sample(const Model& model, const Step& next, const std::vector<ContactLoad>& loads,
-                           const Ledger& ledger) const {
+Balance Integrator::sample(const Model& model, const Step& next, const ContactLoad& load, const Ledger& ledger) const {
   const NodeStore& nodes = model.nodes;
   const double quantum = model.quanta.force.quantum, kick = next.kick_dt();
   // The share of the coming kick that lies before the present time. Kinetic energy and work grow by its power at the
@@ -247,10 +244,8 @@ Balance Integrator::sample(const Model& model, const Step& next, const std::vect
     if (listed || near_[i] != 0) apply(i, listed ? constrained_[at].always : 0);
     at += listed ? 1 : 0;
   }
-  for (const ContactLoad& load : loads)
-    for (std::size_t k = 0; k < load.nodes.size(); ++k) {
-      contact += contact_work(model, ledger, load, k, kick, nodes.v(load.nodes[k]));
-    }
+  for (std::size_t k = 0; k < load.nodes.size(); ++k)
+    contact += contact_work(model, ledger, load, k, kick, nodes.v(load.nodes[k]));
   std::int64_t sums[4] = {ledger.accounts.external, ledger.accounts.contact, external, contact};
   MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_INT64_T, MPI_SUM, model.comm);
   const std::vector<double> totals = order_free_sums(model.comm, {kinetic, momentum[0], momentum[1], momentum[2]});

@@ -29,11 +29,10 @@ class Integrator {
   /// One error line for every boundary condition with nodes that cannot start as they stand. Collective.
   std::vector<std::string> complaints(const Model& model) const;
   /// v += F/m dt, constraints, x += v dt, F = 0.
-  void kick_and_drift(Model& model, const Step& step, const std::vector<ContactLoad>& loads, Ledger& ledger);
+  void kick_and_drift(Model& model, const Step& step, const ContactLoad& load, Ledger& ledger);
   /// Kinetic energy and momentum at the start of `next`, and the work of contact and boundaries up to there.
   /// Changes nothing. Collective.
-  Balance sample(const Model& model, const Step& next, const std::vector<ContactLoad>& loads,
-                 const Ledger& ledger) const;
+  Balance sample(const Model& model, const Step& next, const ContactLoad& load, const Ledger& ledger) const;
 
  private:
   struct Constrained {

@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
 
+#include "core/diagnostics.hpp"
 #include "dynamics/result_fields.hpp"
 #include "parallel/communicator.hpp"
 
@@ -43,6 +45,13 @@ void remove_what_is_stale(const ReportSettings& settings) {
 
 double seconds_now() { return MPI_Wtime(); }
 
+/// The next time in a row of such after `now`; where they are closer than any number can tell, the next cycle.
+double next_due(double due, double interval, double now) {
+  constexpr int many = 100000;
+  for (int i = 0; i < many && due <= now; ++i) due += interval;
+  return due > now ? due : now + interval;
+}
+
 }  // namespace
 
 Reporter::Reporter(Simulation& simulation, const ModelInput& input, const ReportSettings& settings)
@@ -68,6 +77,7 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
         HistoryWriter::resume(model.comm, folder + "history.csv", history_columns, time));
     erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
     last_ = simulation_.sample();
+    require_same_fields();
     // What the earlier run has written of this moment is not written again.
     if (results_->last_time() == time) last_frame_cycle_ = simulation.clock().cycle();
     if (history_->last_time() == time) last_history_cycle_ = simulation.clock().cycle();
@@ -95,6 +105,24 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
 
 Reporter::~Reporter() = default;
 
+/// A file that goes on holds the fields that it began with. Otherwise throws InputError, on all ranks.
+void Reporter::require_same_fields() const {
+  const auto require = [&](const char* key, std::vector<std::string> wanted, std::vector<std::string> there) {
+    std::sort(wanted.begin(), wanted.end());
+    std::sort(there.begin(), there.end());
+    if (wanted == there) return;
+    throw InputError(
+        {fmt::format("{}/results.vtkhdf: error: the run that is resumed has begun it in another way; expected "
+                     "output.{} to be [{}]",
+                     settings_.folder, key, fmt::join(there, ", "))});
+  };
+  std::vector<std::string> elemental = results_->element_fields();
+  for (const char* always : {"alive", "vtkGhostType"}) std::erase(elemental, always);
+  require("precision", {input_.output.precision}, {results_->double_precision() ? "double" : "single"});
+  require("node_fields", input_.output.node_fields, results_->node_fields());
+  require("element_fields", input_.output.element_fields, elemental);
+}
+
 void Reporter::after_step(Simulation& simulation, const Step& step) {
   const auto scope = simulation.timers().measure("output");
   if (simulation.any_eroded()) {
@@ -103,15 +131,15 @@ void Reporter::after_step(Simulation& simulation, const Step& step) {
   }
   const double tolerance = 1e-9 * input_.time.end;
   if (step.end() >= due_.next_history - tolerance) {
-    while (due_.next_history <= step.end() + tolerance) due_.next_history += history_interval_;
+    due_.next_history = next_due(due_.next_history, history_interval_, step.end() + tolerance);
     write_history(true);
   }
   if (step.end() >= due_.next_results - tolerance) {
-    while (due_.next_results <= step.end() + tolerance) due_.next_results += results_interval_;
+    due_.next_results = next_due(due_.next_results, results_interval_, step.end() + tolerance);
     write_frame();
   }
   if (restart_interval_ > 0.0 && step.end() >= due_.next_restart - tolerance) {
-    while (due_.next_restart <= step.end() + tolerance) due_.next_restart += restart_interval_;
+    due_.next_restart = next_due(due_.next_restart, restart_interval_, step.end() + tolerance);
     write_restart();
   }
   const std::int64_t every = input_.output.progress_interval;

@@ -31,6 +31,7 @@ class Reporter final : public StepObserver {
   void finish(const std::string& exit);
 
  private:
+  void require_same_fields() const;
   void write_frame();
   void write_history(bool check);
   void write_restart();

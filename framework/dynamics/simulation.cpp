@@ -91,10 +91,23 @@ void Simulation::renumbered() {
   for (auto& c : contacts_) c->renumbered(model_);
 }
 
-std::vector<ContactLoad> Simulation::loads() const {
-  std::vector<ContactLoad> all;
-  for (const auto& c : contacts_) all.push_back(c->load());
-  return all;
+/// What all definitions together put on each node, as a restart file has it: the work of a sum is rounded once.
+ContactLoad Simulation::load() const {
+  if (contacts_.size() == 1) return contacts_.front()->load();
+  std::vector<std::pair<std::int32_t, const std::int64_t*>> parts;  // node, force
+  for (const auto& c : contacts_)
+    for (std::size_t k = 0; k < c->load().nodes.size(); ++k)
+      parts.emplace_back(c->load().nodes[k], &c->load().force[4 * k]);
+  std::sort(parts.begin(), parts.end());
+  ContactLoad sum;
+  for (const auto& [node, force] : parts) {
+    if (sum.nodes.empty() || sum.nodes.back() != node) {
+      sum.nodes.push_back(node);
+      sum.force.insert(sum.force.end(), 4, 0);
+    }
+    for (std::size_t d = 0; d < 3; ++d) sum.force[sum.force.size() - 4 + d] += force[d];
+  }
+  return sum;
 }
 
 void Simulation::run() {
@@ -105,7 +118,7 @@ void Simulation::run() {
     const Step step = clock_.advance(reduction_.least_step);
     {
       const auto scope = timers_.measure("nodes");
-      integrator_.kick_and_drift(model_, step, loads_, ledger_);
+      integrator_.kick_and_drift(model_, step, load_, ledger_);
       erosion_->drop_free_nodes(model_, ledger_);
     }
     rebalance(step);
@@ -137,7 +150,7 @@ void Simulation::add_forces(const Step& step) {
     c->add_forces(model_, step, timers_);
     if (report.trouble.empty()) report.trouble = c->trouble();
   }
-  loads_ = loads();
+  load_ = load();
   const auto scope = timers_.measure("halo");
   sum_over_copies(model_, model_.nodes.force.data(), 4);
   reduce(step, report);
@@ -202,7 +215,7 @@ void Simulation::stop(const std::string& local_trouble, std::int64_t id, const S
 
 bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) != 0; }
 
-Balance Simulation::sample() { return integrator_.sample(model_, next_step(), loads_, ledger_); }
+Balance Simulation::sample() { return integrator_.sample(model_, next_step(), load_, ledger_); }
 
 Simulation::Progress Simulation::progress() const {
   Progress p;
@@ -225,12 +238,12 @@ void Simulation::resume(const Progress& p) {
   balancer_.distribute(model_);
   balancer_.restore(p.last_rebalance);
   renumbered();
-  loads_.assign(1, {});
+  load_ = {};
   for (int i = 0; i < model_.nodes.n(); ++i) {
     const auto it = p.contact_force.find(model_.nodes.id[i]);
     if (!model_.nodes.owned[i] || it == p.contact_force.end()) continue;
-    loads_[0].nodes.push_back(i);
-    loads_[0].force.insert(loads_[0].force.end(), {it->second[0], it->second[1], it->second[2], 0});
+    load_.nodes.push_back(i);
+    load_.force.insert(load_.force.end(), {it->second[0], it->second[1], it->second[2], 0});
   }
 }
 

@@ -65,7 +65,7 @@ class Simulation {
   /// Throws PhysicsError where energy grows or a node races. Collective.
   void check(const Balance& balance) const;
   /// Contact forces of the last step on the nodes that this rank owns.
-  const std::vector<ContactLoad>& contact_loads() const { return loads_; }
+  const ContactLoad& contact_load() const { return load_; }
   /// The step that will follow.
   Step next_step() const { return clock_.plan(reduction_.least_step); }
   double first_stable_step() const { return first_stable_; }
@@ -91,7 +91,7 @@ class Simulation {
   void check_energy(const Balance& balance) const;
   void check_speeds(double time) const;
   [[noreturn]] void stop(const std::string& local_trouble, std::int64_t id, const Step& step) const;
-  std::vector<ContactLoad> loads() const;
+  ContactLoad load() const;
 
   const ModelInput& input_;
   Model model_;
@@ -105,7 +105,7 @@ class Simulation {
   Timers timers_;
   StepReduction reduction_;
   std::vector<ErosionRecord> eroded_now_;
-  std::vector<ContactLoad> loads_;
+  ContactLoad load_;
   std::int64_t element_cycles_ = 0;
   double first_stable_ = 0.0;
   bool signalled_ = false;

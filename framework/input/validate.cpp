@@ -219,11 +219,18 @@ class Validator {
     check_list(model_.output.node_fields, {"velocity", "displacement", "mass"}, "node_fields");
   }
   void check_list(const Names& used, const Names& known, const std::string& key) {
-    for (std::size_t i = 0; i < used.size(); ++i)
-      if (!contains(known, used[i]))
+    Names fields, seen;
+    for (const std::string& name : known)
+      if (!contains(fields, name)) fields.push_back(name);
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      const Origin origin = origins_.find(fmt::format("output.{}[{}]", key, i));
+      if (!contains(fields, used[i]))
         diagnostics_.error(
-            origins_.find(fmt::format("output.{}[{}]", key, i)),
-            fmt::format("there is no field \"{}\"{}", used[i], suggestion(used[i], known, "the fields")));
+            origin, fmt::format("there is no field \"{}\"{}", used[i], suggestion(used[i], fields, "the fields")));
+      else if (contains(seen, used[i]))
+        diagnostics_.error(origin, fmt::format("field \"{}\" is listed twice; expected once", used[i]));
+      seen.push_back(used[i]);
+    }
   }
 
   const ModelInput& model_;

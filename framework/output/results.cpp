@@ -45,6 +45,12 @@ void require(bool holds, const std::string& sentence) {
   if (!holds) throw std::logic_error(sentence);
 }
 
+std::vector<std::string> names_of(const Entities& kind) {
+  std::vector<std::string> names;
+  for (const auto& [name, series] : kind.series) names.push_back(name);
+  return names;
+}
+
 /// Rows per chunk: a frame is one chunk, so each rank's slab is one contiguous block on disk. Frames beyond
 /// 256 MiB are split (HDF5 limits chunks to 4 GiB), tiny ones share a chunk.
 std::int64_t chunk_rows(std::int64_t rows_per_frame, std::int64_t row_bytes) {
@@ -104,6 +110,7 @@ class ResultsWriter::Impl {
   Entities& nodes() { return nodes_; }
   Entities& elements() { return elements_; }
   std::int64_t n_frames() const { return n_frames_; }
+  bool double_precision() const { return double_precision_; }
   double last_time() const { return n_frames_ > 0 ? time_ : -1.0; }
 
  private:
@@ -431,6 +438,9 @@ void ResultsWriter::add_element_field(const std::string& name, int components,
 }
 void ResultsWriter::add_alive(std::span<const std::int64_t> live_elements) { impl_->add_alive(live_elements); }
 void ResultsWriter::end_frame() { impl_->end_frame(); }
+bool ResultsWriter::double_precision() const { return impl_->double_precision(); }
+std::vector<std::string> ResultsWriter::node_fields() const { return names_of(impl_->nodes()); }
+std::vector<std::string> ResultsWriter::element_fields() const { return names_of(impl_->elements()); }
 int ResultsWriter::n_frames() const { return static_cast<int>(impl_->n_frames()); }
 double ResultsWriter::last_time() const { return impl_->last_time(); }
 

@@ -56,6 +56,10 @@ class ResultsWriter {
   /// happens later a reader finds it.
   void end_frame();
 
+  bool double_precision() const;
+  /// Names of the fields in a file that has frames.
+  std::vector<std::string> node_fields() const;
+  std::vector<std::string> element_fields() const;
   /// Complete frames in the file.
   int n_frames() const;
   /// Time of the last of them; -1 without any.

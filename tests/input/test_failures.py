@@ -247,8 +247,34 @@ def test_a_run_that_has_come_to_its_end_has_nothing_to_resume(case):
     before = list(frames(case / "out")), columns(case / "out")[:, 0].tolist()
     done = kerf("run", "case.yaml", "--output", "out", "--resume", *ends, cwd=case)
     assert done.returncode == 0, done.stderr
-    assert "has come to time.end already; no cycle is left to make" in done.stdout
+    assert "has come to time.end (2e-07 s) already; no cycle is left to make" in done.stdout
     assert (list(frames(case / "out")), columns(case / "out")[:, 0].tolist()) == before
+
+
+@pytest.mark.parametrize("ranks, setting, says", [
+    (1, "output.element_fields=[stress, pressure]", "expected output.element_fields to be ["),
+    (2, "output.node_fields=[velocity, mass]", "expected output.node_fields to be [velocity]"),
+    (1, "output.precision=double", "expected output.precision to be [single]")])
+def test_a_resumed_run_cannot_write_other_fields(case, ranks, setting, says):
+    few = settings(LONG | {"time.maximum_cycles": 20, "output.restart_interval": "1 s"})
+    assert kerf("run", "case.yaml", "--output", "out", *few, cwd=case).returncode == 0
+    before = list(frames(case / "out"))
+    done = kerf("run", "case.yaml", "--output", "out", "--resume", *on_ranks(ranks), *settings(LONG), "--set", setting,
+                cwd=case)
+    assert done.returncode == 2
+    assert done.stderr.count("error: the run that is resumed has begun it in another way; " + says) == 1
+    assert list(frames(case / "out")) == before
+
+
+@pytest.mark.parametrize("key", ["results_interval", "history_interval", "restart_interval"])
+def test_an_interval_shorter_than_any_cycle_is_every_cycle(case, key):
+    few = settings(LONG | {"time.maximum_cycles": 5, f"output.{key}": "1e-30"})
+    done = kerf("run", "case.yaml", "--output", "out", *few, cwd=case)
+    assert done.returncode == 0, done.stderr
+    if key == "results_interval":
+        assert len(frames(case / "out")) == 6
+    if key == "history_interval":
+        assert len(columns(case / "out")) == 6
 
 
 def test_ranks_do_not_outlive_the_command_that_started_them(case):

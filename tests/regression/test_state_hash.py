@@ -165,6 +165,18 @@ def test_restart_on_other_ranks_changes_no_bit(tmp_path, before, after):
     expect_same(resumed, whole)
 
 
+def test_restart_with_two_contact_definitions_changes_no_bit(tmp_path):
+    # Both push the same nodes; a restart file has one force of both.
+    settings = OFTEN + ["output.restart_interval=8 us",
+                        "contacts=[{type: eroding_surface}, {type: eroding_surface, penalty: 0.1, self_contact: false}]"]
+    whole = run(ROD, tmp_path / "whole", 1, settings)
+    expect_same(run(ROD, tmp_path / "many", 3, settings), whole)
+    run(ROD, tmp_path / "again", 2, settings)
+    expect_same(run(ROD, tmp_path / "again", 3, settings, resume=True), whole)
+    run(ROD, tmp_path / "again", 1, settings)
+    expect_same(run(ROD, tmp_path / "again", 1, settings, resume=True), whole)
+
+
 def test_restart_with_dropped_nodes_changes_no_bit(tmp_path):
     settings = OFTEN + ["output.restart_interval=8 us", "checks.free_nodes=drop"]
     whole = run(ROD, tmp_path, 2, settings)
