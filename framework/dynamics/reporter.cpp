@@ -73,11 +73,11 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
     const double time = simulation.clock().time();
     results_ = std::make_unique<ResultsWriter>(
         ResultsWriter::reopen(model.comm, folder + "results.vtkhdf", static_cast<int>(due_.n_frames)));
+    require_same_fields();  // before the tables are cut back
     history_ = std::make_unique<HistoryWriter>(
         HistoryWriter::resume(model.comm, folder + "history.csv", history_columns, time));
     erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
     last_ = simulation_.sample();
-    require_same_fields();
     // What the earlier run has written of this moment is not written again.
     if (results_->last_time() == time) last_frame_cycle_ = simulation.clock().cycle();
     if (history_->last_time() == time) last_history_cycle_ = simulation.clock().cycle();
