@@ -1,6 +1,7 @@
 // Hourglass modes: no stress, but a force that opposes them and does nothing to rigid and linear motion.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -159,6 +160,64 @@ TEST(Hourglass, ViscousControlBooksWhatTheMotionLoses) {
     EXPECT_NEAR((booked + kinetic()) / start, 1.0, 1e-3) << "coefficient " << coefficient;
     EXPECT_LT(kinetic(), 0.01 * start);
   }
+}
+
+/// Largest share of an hourglass motion that the force takes from it in a step of the default length: with f = -C v and
+/// C symmetric, |f|^2 / (-f . v) is at most C's largest eigenvalue.
+double largest_share(const HexMesh& mesh, const PartLaws& laws) {
+  OnePart probe(mesh, laws);
+  probe.initialise();
+  const double step = 0.9 * probe.stable_step(), mass = probe.element_mass(0) / 8.0;
+  double largest = 0.0;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (int trial = 0; trial < 40; ++trial) {
+    std::vector<Vec3> v(8);
+    for (int mode = 0; mode < 4; ++mode) {
+      const std::vector<Vec3> add = hourglass_velocity(mesh, mode, 0, any(random));
+      for (int n = 0; n < 8; ++n) v[n] = v[n] + add[n];
+    }
+    OnePart part(mesh, laws);
+    part.initialise();
+    for (int n = 0; n < 8; ++n) part.x[n] = mesh.x[n] - v[n] * step;
+    part.v = v;
+    part.step(step);
+    double square = 0.0;
+    for (int n = 0; n < 8; ++n) square += dot(part.force(n), part.force(n));
+    largest = std::max(largest, step / mass * square / -power(part));
+  }
+  return largest;
+}
+
+/// A cube whose upper face is shrunk to `x` by `y` of its size.
+HexMesh tapered(double x, double y) {
+  HexMesh mesh = distorted_element(size, 0.0, 1);
+  for (Vec3& p : mesh.x)
+    if (p.z > 0.5 * size) p = {0.5 * size + x * (p.x - 0.5 * size), 0.5 * size + y * (p.y - 0.5 * size), p.z};
+  return mesh;
+}
+
+TEST(Hourglass, ViscousForceAtMostStopsTheMotionInEveryShape) {
+  // Twice the motion would be the limit of stability. Shapes are those of cells that flow: pinched, sheared, flattened.
+  std::vector<HexMesh> shapes;
+  for (const double x : {1.0, 0.6, 0.3, 0.1})
+    for (const double y : {1.0, 0.3})
+      for (const double flatten : {1.0, 0.2, 5.0}) {
+        shapes.push_back(tapered(x, y));
+        for (Vec3& p : shapes.back().x) p.z *= flatten;
+      }
+  for (unsigned seed = 1; seed <= 30; ++seed) shapes.push_back(distorted_element(size, 0.3, seed));
+  for (const double coefficient : {0.05, 0.15})
+    for (const HexMesh& mesh : shapes)
+      // 1e-3: the shape at the step's end is the one that is measured, and it carries no stress but round-off.
+      EXPECT_LE(largest_share(mesh, laws_with("viscous", coefficient)), 1.001) << "coefficient " << coefficient;
+}
+
+TEST(Hourglass, ViscousForceIsTheFormulaWhereverItIsHarmless) {
+  // The bound of the force must not weaken the control of cells in fair shape at the default coefficient: a cube's
+  // share is 64 kappa/4 dt c / size, 0.8 times the safety factor and the bulk viscosity's share of the step.
+  EXPECT_NEAR(largest_share(tapered(1.0, 1.0), laws_with("viscous", 0.05)),
+              0.8 * 0.9 * (std::sqrt(1.0 + 0.06 * 0.06) - 0.06), 1e-6);
 }
 
 TEST(Hourglass, StiffnessForceTurnsWithTheElement) {

@@ -89,6 +89,9 @@ class Kernel {
     V stable;  // step [s]
   };
   static constexpr bool is_single = std::is_same_v<Real, float>;
+  /// What viscous hourglass control may take of an hourglass velocity in a step: all of it. Twice as much would be the
+  /// limit of stability.
+  static constexpr double most_effect = 1.0;
   /// Rows of a block, for laws and criteria.
   struct Rows {
     Strain step;
@@ -400,7 +403,7 @@ class Kernel {
     if (stiffness_)
       resist_displacement(w, block, lane, p, step, rate, alive, resist, totals);
     else
-      resist_velocity(w, block, lane, p, rate, alive, resist, totals);
+      resist_velocity(w, block, lane, p, shape, rate, alive, resist, totals);
 
     const V scale = alive * static_cast<Real>(w.scale.per_quantum), total = p.p + p.q;
     const V(&s)[6] = p.s;
@@ -452,13 +455,59 @@ class Kernel {
     return mask_of(sound) == all_lanes;
   }
 
+  /// Upper bound of the largest eigenvalue of gamma_a . gamma_b, the products of the hourglass shape vectors; eight for
+  /// a parallelepiped. With s = x . Gamma / V, gamma = Gamma - B s and p = B Gamma, the products are
+  /// 8 I - s^T (p - B B^T s) - p^T s, and what is subtracted is bounded by its Frobenius norm.
+  [[gnu::noinline]] static V largest_shape(const Piece& p, const V (&shape)[3][4]) {
+    const Motion& k = p.k;
+    V base[3][4], s[3][4], r[3][4];  // of the gradient; shape per volume; gradient along the shape vectors
+    for (int i = 0; i < 3; ++i) project_hourglass(k.b[i], base[i]);
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a) s[i][a] = shape[i][a] * p.per_volume;
+    for (int i = 0; i < 3; ++i) {
+      V m[3];
+      for (int j = 0; j < 3; ++j) m[j] = dot8(k.b[i], k.b[j]);
+      for (int a = 0; a < 4; ++a) r[i][a] = base[i][a] - (m[0] * s[0][a] + m[1] * s[1][a] + m[2] * s[2][a]);
+    }
+    V norm2{};
+    for (int a = 0; a < 4; ++a)
+      for (int b = a; b < 4; ++b) {
+        V d{};
+        for (int i = 0; i < 3; ++i) d += s[i][a] * r[i][b] + base[i][a] * s[i][b];
+        norm2 += Real(a == b ? 1.0 : 2.0) * d * d;
+      }
+    return Real(8.0) + sqrt_of(norm2);
+  }
+
+  /// What is left of a resistance whose largest effect on the hourglass velocities of a cube in this step would be
+  /// `effect`, so that the effect is at most `most` in the present shape. In most elements a bound by the lengths of
+  /// the shape vectors says that nothing has to go: sqrt(8) (1 + x) at most, x = |s| V / (4 length), and
+  /// (1 + x)^2 <= 1.2 + 6 x^2.
+  [[gnu::always_inline]] static V bounded_share(const Piece& p, const V (&shape)[3][4], V effect, Real most) {
+    V size2{};
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a) size2 += shape[i][a] * shape[i][a];
+    const V length2 = p.k.length * p.k.length;
+    const auto may_exceed = effect * (Real(1.2) * length2 + Real(0.375) * size2) > most * length2;
+    V share = lanes(Real(1.0));
+    if (mask_of(may_exceed) != 0) [[unlikely]] {
+      const V exact = effect * largest_shape(p, shape) * Real(0.125);
+      share = may_exceed && exact > most ? most / exact : share;
+    }
+    return share;
+  }
+
   /// Viscous control: resistance = Q/4 rho c A g (Hallquist 1998, eq. 3.21, with A = sqrt(2/3 B:B), which is the
   /// face area of a cube). A force acts on the mean of the velocities before and after it, so half of its work is
-  /// booked now and half in the next step, which knows the velocity after it.
-  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p, const V (&rate)[3][4],
-                                              V alive, V (&resist)[3][4], Totals& totals) const {
+  /// booked now and half in the next step, which knows the velocity after it. At most it stops the hourglass motion of
+  /// an element within a step.
+  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p,
+                                              const V (&shape)[3][4], const V (&rate)[3][4], V alive, V (&resist)[3][4],
+                                              Totals& totals) const {
     const V area = sqrt_of(p.k.gradient_norm * Real(2.0 / 3.0));
-    const V coefficient = (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+    V coefficient = (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+    const V effect = Real(64.0) * static_cast<Real>(w.dt) * p.per_mass * coefficient;
+    coefficient *= bounded_share(p, shape, effect, Real(most_effect));
     V work{};
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 3; ++i) {

@@ -1,0 +1,117 @@
+"""Hourglass control in bodies that flow, spin and bend: it takes no more than there is, and gives nothing."""
+
+import numpy as np
+import pytest
+
+ALUMINIUM = {
+    "density": 2700,
+    "strength": {
+        "type": "johnson_cook",
+        "shear_modulus": 27.6e9,
+        "A": 324e6,
+        "B": 114e6,
+        "n": 0.42,
+        "C": 0.002,
+        "m": 1.34,
+        "reference_rate": 1,
+        "reference_temperature": 298,
+        "melting_temperature": 925,
+        "initial_temperature": 294,
+        "specific_heat": 896,
+        "taylor_quinney": 0.9,
+    },
+    "eos": {"type": "mie_gruneisen", "c0": 5240, "s": 1.40, "gamma0": 1.97},
+}
+SYMMETRY = [{"type": "symmetry", "normal": [1, 0, 0]}, {"type": "symmetry", "normal": [0, 1, 0]}]
+FLOOR = {"type": "rigid_wall", "point": [0, 0, 0], "normal": [0, 0, 1]}
+
+
+@pytest.mark.parametrize("coefficient", [0.05, 0.15])
+def test_viscous_control_is_stable_in_cells_that_a_fast_bar_crushes(kerf, coefficient):
+    """Cells at the foot of an aluminium bar of 603 m/s shrink to a tenth and taper; their hourglass vectors grow."""
+    run = kerf(
+        {
+            "title": "aluminium bar, 603 m/s",
+            "time": {"end": 48e-6},
+            "materials": {"aluminium": ALUMINIUM},
+            "parts": {
+                "bar": {
+                    "material": "aluminium",
+                    "element": {"type": "hex8", "hourglass": "viscous", "hourglass_coefficient": coefficient},
+                    "mesh": {
+                        "type": "cylinder",
+                        "radius": 3.81e-3,
+                        "length": 23.47e-3,
+                        "core_cells": 3,
+                        "ring_cells": 3,
+                        "axial_cells": 37,
+                        "sector": "quarter",
+                        "exact_section": True,
+                    },
+                    "velocity": [0, 0, -603],
+                }
+            },
+            "boundaries": [FLOOR, *SYMMETRY],
+            "output": {"history_interval": 0.5e-6},
+        }
+    )
+    h = run.history
+    # One per mille of the initial energy; unstable control added 22.9 % by 39.6 us.
+    assert np.abs(h["balance_error"]).max() < 1e-3
+    assert np.diff(h["hourglass"]).max() < 0.02 * h["kinetic"][0]  # in half a microsecond
+
+
+def test_viscous_control_is_stable_in_a_soft_block_under_a_punch(kerf):
+    """Cells round a punch of 150 m/s fold; their control used to feed them 12 J, two thirds of all, in a microsecond."""
+    run = kerf(
+        {
+            "title": "gelatine under a steel punch",
+            "time": {"end": 200e-6},
+            "materials": {
+                "gelatine": {
+                    "density": 1000,
+                    "strength": {
+                        "type": "elastic_plastic",
+                        "shear_modulus": 3e6,
+                        "yield_stress": 0.2e6,
+                        "hardening_modulus": 0,
+                    },
+                    "eos": {"type": "linear", "bulk_modulus": 50e6},
+                },
+                "steel": {
+                    "density": 7850,
+                    "strength": {"type": "elastic", "shear_modulus": 80e9},
+                    "eos": {"type": "linear", "bulk_modulus": 160e9},
+                },
+            },
+            "parts": {
+                "block": {
+                    "material": "gelatine",
+                    "mesh": {
+                        "type": "block",
+                        "size": [0.02, 0.02, 0.02],
+                        "origin": [-0.01, -0.01, -0.02],
+                        "cell_size": 2e-3,
+                    },
+                },
+                "punch": {
+                    "material": "steel",
+                    "mesh": {
+                        "type": "block",
+                        "size": [6e-3, 6e-3, 6e-3],
+                        "origin": [-3e-3, -3e-3, 0.05e-3],
+                        "cell_size": 2e-3,
+                    },
+                    "velocity": [0, 0, -150],
+                },
+            },
+            "boundaries": [{**FLOOR, "point": [0, 0, -0.02]}],
+            "contacts": [{"type": "eroding_surface"}],
+            "checks": {"energy_growth": 1.0},
+            "output": {"history_interval": 0.5e-6},
+        }
+    )
+    h = run.history
+    # Between two samples, about four steps, hourglass control can take a hundredth of what there was at the start.
+    assert np.diff(h["hourglass"]).max() < 0.01 * h["kinetic"][0]
+    assert np.abs(h["balance_error"]).max() < 0.01  # a step at full speed crosses 0.15 of a cell
