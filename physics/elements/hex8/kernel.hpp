@@ -535,7 +535,8 @@ class Kernel {
 
   /// Stiffness control (Flanagan & Belytschko 1981, eqs. 63-67): resistance grows with k g dt and turns with the
   /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
-  /// highest frequency of the element.
+  /// highest frequency of the element. The shape vectors of the step's end see the rate in the directions of its start:
+  /// they take the rotation for a part of the linear motion. So the rate turns together with the old resistance.
   [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
                                                   const Strain& step, const V (&rate)[3][4], V alive, V (&resist)[3][4],
                                                   Totals& totals) const {
@@ -545,14 +546,15 @@ class Kernel {
     V r[9];
     for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);
     for (int a = 0; a < 4; ++a) {
-      V old[3];
-      for (int i = 0; i < 3; ++i)
-        old[i] = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+      V grown[3];
       for (int i = 0; i < 3; ++i) {
-        V turned = r[3 * i] * old[0] + r[3 * i + 1] * old[1] + r[3 * i + 2] * old[2];
-        if constexpr (is_single) turned += old[i];
-        resist[i][a] = turned + growth * rate[i][a];
-        work += (turned + resist[i][a]) * rate[i][a];
+        const V old = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+        grown[i] = old + growth * rate[i][a];
+        work += (old + grown[i]) * rate[i][a];
+      }
+      for (int i = 0; i < 3; ++i) {
+        resist[i][a] = r[3 * i] * grown[0] + r[3 * i + 1] * grown[1] + r[3 * i + 2] * grown[2];
+        if constexpr (is_single) resist[i][a] += grown[i];
         store_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane), resist[i][a]);
       }
     }
