@@ -197,7 +197,7 @@ HexMesh tapered(double x, double y) {
   return mesh;
 }
 
-TEST(Hourglass, ViscousForceAtMostStopsTheMotionInEveryShape) {
+TEST(Hourglass, ForceIsBoundedInEveryShape) {
   // Twice the motion would be the limit of stability. Shapes are those of cells that flow: pinched, sheared, flattened.
   std::vector<HexMesh> shapes;
   for (const double x : {1.0, 0.6, 0.3, 0.1})
@@ -208,9 +208,12 @@ TEST(Hourglass, ViscousForceAtMostStopsTheMotionInEveryShape) {
       }
   for (unsigned seed = 1; seed <= 30; ++seed) shapes.push_back(distorted_element(size, 0.3, seed));
   for (const double coefficient : {0.05, 0.15})
-    for (const HexMesh& mesh : shapes)
+    for (const HexMesh& mesh : shapes) {
       // 1e-3: the shape at the step's end is the one that is measured, and it carries no stress but round-off.
       EXPECT_LE(largest_share(mesh, laws_with("viscous", coefficient)), 1.001) << "coefficient " << coefficient;
+      // Four would be the limit of stability of a force that grows with the displacement.
+      EXPECT_LE(largest_share(mesh, laws_with("stiffness", 3 * coefficient)), 2.002) << "coefficient " << coefficient;
+    }
 }
 
 TEST(Hourglass, ViscousForceIsTheFormulaWhereverItIsHarmless) {
@@ -218,6 +221,34 @@ TEST(Hourglass, ViscousForceIsTheFormulaWhereverItIsHarmless) {
   // share is 64 kappa/4 dt c / size, 0.8 times the safety factor and the bulk viscosity's share of the step.
   EXPECT_NEAR(largest_share(tapered(1.0, 1.0), laws_with("viscous", 0.05)),
               0.8 * 0.9 * (std::sqrt(1.0 + 0.06 * 0.06) - 0.06), 1e-6);
+}
+
+/// Force in an hourglass mode of a cube that shears at the same time by `strain` in a step.
+double force_while_sheared(const PartLaws& laws, double strain) {
+  const HexMesh mesh = distorted_element(size, 0.0, 1);
+  OnePart part(mesh, laws);
+  part.initialise();
+  const std::vector<Vec3> v = hourglass_velocity(mesh, 3, 2, 1.0);
+  for (int n = 0; n < 8; ++n) part.v[n] = v[n] + Vec3{mesh.x[n].y * strain / dt, 0.0, 0.0};
+  part.step(dt);
+  double along = 0.0;
+  for (int n = 0; n < 8; ++n) along += part.force(n).z * v[n].z;
+  return -along;
+}
+
+TEST(Hourglass, StiffnessForceGrowsAsLittleAsTheStressOfABodyThatFlows) {
+  PartLaws laws = laws_with("stiffness", 0.1);
+  laws.strength = "elastic_plastic";
+  laws.strength_parameters = "{shear_modulus: 80 GPa, yield_stress: 100 MPa, hardening_modulus: 0}";
+  const double elastic = force_while_sheared(laws, 1e-4);
+  // Pure shear flows at 1/sqrt(3) of the yield stress.
+  const double at_yield = 100e6 / std::sqrt(3.0) / 80e9;
+  for (const double strain : {0.002, 0.02})
+    EXPECT_NEAR(force_while_sheared(laws, strain) / elastic, at_yield / strain, 0.02 * at_yield / strain);
+  // A fluid has no stress that could grow: its modes are resisted in full.
+  laws.strength = "hydrodynamic";
+  laws.strength_parameters = "{}";
+  EXPECT_NEAR(force_while_sheared(laws, 0.002) / elastic, 160.0 / (160.0 + 4.0 / 3.0 * 80.0), 0.01);
 }
 
 TEST(Hourglass, StiffnessForceTurnsWithTheElement) {

@@ -87,11 +87,15 @@ class Kernel {
     V wave, c;  // rho c^2 [Pa], c [m/s]
     V viscosity, q, viscous_work, p;  // linear and quadratic [m/s]; bulk viscosity pressure [Pa]; [J]; [Pa]
     V stable;  // step [s]
+    V elastic_share;  // of the deviator's change; for hourglass control by stiffness
   };
   static constexpr bool is_single = std::is_same_v<Real, float>;
   /// What viscous hourglass control may take of an hourglass velocity in a step: all of it. Twice as much would be the
   /// limit of stability.
   static constexpr double most_effect = 1.0;
+  /// Square of frequency times step that hourglass control by stiffness may give to the modes of an element: half of
+  /// the limit of stability.
+  static constexpr double most_effect_of_growth = 2.0;
   /// Rows of a block, for laws and criteria.
   struct Rows {
     Strain step;
@@ -297,9 +301,28 @@ class Kernel {
       w.material->update(m);
   }
 
+  /// Change of the deviator over that of an elastic step, |s - R s R^T| / (2 G |dev strain|): one in elastic steps and
+  /// in fluids, little where the material flows.
+  [[gnu::always_inline]] static V elastic_share(int lane, const Piece& p, const Rows& rows) {
+    const auto& strain = rows.step.strain;
+    const V mean =
+        (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) * Real(1.0 / 3.0);
+    V change2{}, strain2{};
+    for (int i = 0; i < 6; ++i) {
+      const V e = load_lanes(strain[i] + lane) - (i < 3 ? mean : V{});
+      const V change = load_lanes(rows.deviator[i] + lane) - p.s[i];
+      strain2 += Real(i < 3 ? 1.0 : 2.0) * e * e;
+      change2 += Real(i < 3 ? 1.0 : 2.0) * change * change;
+    }
+    const V modulus = Real(2.0) * load_lanes(rows.modulus + lane);
+    const V elastic2 = modulus * modulus * strain2;
+    return change2 < elastic2 ? sqrt_of(change2 / (elastic2 + tiny<Real>)) : lanes(Real(1.0));
+  }
+
   /// Work of the mean of the old and the new deviator; energy with the old pressure, for the EOS.
-  [[gnu::always_inline]] static void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
-                                                    Rows& rows) {
+  [[gnu::always_inline]] void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
+                                             Rows& rows) const {
+    if (stiffness_) p.elastic_share = elastic_share(lane, p, rows);
     V work{};
     for (int i = 0; i < 6; ++i) {
       const V now = load_lanes(rows.deviator[i] + lane);
@@ -401,7 +424,7 @@ class Kernel {
 
     V resist[3][4];
     if (stiffness_)
-      resist_displacement(w, block, lane, p, step, rate, alive, resist, totals);
+      resist_displacement(w, block, lane, p, step, shape, rate, alive, resist, totals);
     else
       resist_velocity(w, block, lane, p, shape, rate, alive, resist, totals);
 
@@ -535,13 +558,15 @@ class Kernel {
 
   /// Stiffness control (Flanagan & Belytschko 1981, eqs. 63-67): resistance grows with k g dt and turns with the
   /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
-  /// highest frequency of the element. The shape vectors of the step's end see the rate in the directions of its start:
+  /// highest frequency of the element. Where the material flows, it grows as little as the deviator does. The shape
+  /// vectors of the step's end see the rate in the directions of its start:
   /// they take the rotation for a part of the linear motion. So the rate turns together with the old resistance.
   [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
-                                                  const Strain& step, const V (&rate)[3][4], V alive, V (&resist)[3][4],
-                                                  Totals& totals) const {
-    const V growth =
-        (hourglass_coefficient_ / Real(24.0)) * p.wave * p.k.gradient_norm * p.per_volume * static_cast<Real>(w.dt);
+                                                  const Strain& step, const V (&shape)[3][4], const V (&rate)[3][4],
+                                                  V alive, V (&resist)[3][4], Totals& totals) const {
+    const auto dt = static_cast<Real>(w.dt);
+    V growth = (hourglass_coefficient_ / Real(24.0)) * p.elastic_share * p.wave * p.k.gradient_norm * p.per_volume * dt;
+    growth *= bounded_share(p, shape, Real(64.0) * dt * p.per_mass * growth, Real(most_effect_of_growth));
     V work{};
     V r[9];
     for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);
