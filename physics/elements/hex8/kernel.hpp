@@ -59,12 +59,32 @@ class Kernel {
         for (int i = 0; i < 6; ++i) store_lanes(at(w.deviator, 6, block, i, lane), load_lanes(rows.deviator[i] + lane));
         const V rho = load_lanes(rows.density + lane), shear = load_lanes(rows.modulus + lane),
                 K = load_lanes_as<Real>(rows.bulk + lane);
-        const V c2 = (K + Real(4.0 / 3.0) * shear) / rho, viscosity = linear_viscosity_ * sqrt_of(c2);
-        const V fastest2 = c2 + breathing(piece, K, shear, rho);
-        note_step(w, block, lane, piece.length / (viscosity + sqrt_of(viscosity * viscosity + fastest2)));
+        note_step(w, block, lane, first_step(w, block, lane, piece, K, shear, rho));
         add_initial_forces(w, block, lane, piece);
       });
     }
+  }
+
+  /// Stable step with the viscosity of the initial velocity gradient. What the first step will do is not yet seen: a
+  /// wall may stop the nodes in it. So no node may cross more than `most_crossed` of its element's length in it, and
+  /// the next steps grow from there.
+  [[gnu::always_inline]] V first_step(const Work& w, int block, int lane, const Motion& k, V bulk, V shear,
+                                      V rho) const {
+    V dilatation{};
+    for (int i = 0; i < 3; ++i) dilatation += dot8(k.v[i], k.b[i]);
+    const V closing = max_of(-dilatation / k.volume, V{});
+    const V c2 = (bulk + Real(4.0 / 3.0) * shear) / rho;
+    const V viscosity = linear_viscosity_ * sqrt_of(c2) + quadratic_viscosity_ * k.length * closing;
+    const V stable =
+        k.length / (viscosity + sqrt_of(viscosity * viscosity + c2 + breathing(k, bulk, shear, rho)) + tiny<Real>);
+    V fastest{};
+    for (int l = 0; l < lanes_of<Real>; ++l)
+      for (int n = 0; n < 8; ++n) {
+        const double* v = w.velocity + 4 * static_cast<std::int64_t>(nodes_of(w, block, lane)[lane_width * n + l]);
+        const double speed = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        if (speed > fastest[l]) fastest[l] = static_cast<Real>(speed);
+      }
+    return min_of(stable, Real(most_crossed) * k.length / (fastest + tiny<Real>));
   }
 
   void run(Work& w) const {
@@ -93,6 +113,7 @@ class Kernel {
   /// What viscous hourglass control may take of an hourglass velocity in a step: all of it. Twice as much would be the
   /// limit of stability.
   static constexpr double most_effect = 1.0;
+  static constexpr double most_crossed = 0.3;
   /// Square of frequency times step that hourglass control by stiffness may give to the modes of an element: half of
   /// the limit of stability.
   static constexpr double most_effect_of_growth = 2.0;
