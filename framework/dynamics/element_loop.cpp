@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/flush_denormals.hpp"
+#include "dynamics/exposure.hpp"
 
 namespace kerf {
 
@@ -137,8 +138,10 @@ std::string element_name(const Model& model, int part, std::int64_t id) {
 ElementReport initialise_elements(Model& model) {
   ElementReport report;
   report.least_step = std::numeric_limits<double>::max();
+  const auto exposed_faces = count_exposed_faces(model);
   for (PartModel& part : model.parts) {
     with_view(model, part, [&](auto& w) {
+      w.exposed_faces = exposed_faces[static_cast<std::size_t>(part.store->index())].data();
       initialise(*part.input->element, w);
       collect(model, part, w, report);
     });

@@ -59,6 +59,7 @@ class Kernel {
         for (int i = 0; i < 6; ++i) store_lanes(at(w.deviator, 6, block, i, lane), load_lanes(rows.deviator[i] + lane));
         const V rho = load_lanes(rows.density + lane), shear = load_lanes(rows.modulus + lane),
                 K = load_lanes_as<Real>(rows.bulk + lane);
+        store_free_share(w, block, lane);
         note_step(w, block, lane, first_step(w, block, lane, piece, K, shear, rho));
         add_initial_forces(w, block, lane, piece);
       });
@@ -75,8 +76,7 @@ class Kernel {
     const V closing = max_of(-dilatation / k.volume, V{});
     const V c2 = (bulk + Real(4.0 / 3.0) * shear) / rho;
     const V viscosity = linear_viscosity_ * sqrt_of(c2) + quadratic_viscosity_ * k.length * closing;
-    const V stable =
-        k.length / (viscosity + sqrt_of(viscosity * viscosity + c2 + breathing(k, bulk, shear, rho)) + tiny<Real>);
+    const V stable = stable_step(w, block, lane, k, Real(1.0) / k.volume, viscosity, c2, bulk, shear, rho);
     V fastest{};
     for (int l = 0; l < lanes_of<Real>; ++l)
       for (int n = 0; n < 8; ++n) {
@@ -110,6 +110,7 @@ class Kernel {
     V elastic_share;  // of the deviator's change; for hourglass control by stiffness
   };
   static constexpr bool is_single = std::is_same_v<Real, float>;
+  static constexpr int free_share = 13;  // its place in the element's state; see hex8.cpp
   /// What viscous hourglass control may take of an hourglass velocity in a step: all of it. Twice as much would be the
   /// limit of stability.
   static constexpr double most_effect = 1.0;
@@ -165,15 +166,35 @@ class Kernel {
     scatter_forces<false>(w, nodes_of(w, block, lane), force);
   }
 
-  /// What a free element adds to the square of the plane wave's speed, for the time step. With P_i the eigenvalues of
-  /// B B^T, deformation along its axes has the stiffness 2 G P_i delta_ij + lambda sqrt(P_i P_j), whose largest
-  /// eigenvalue is at most 2 G P_max + lambda tr P; the plane wave's is (2 G + lambda) P_max. Neighbours keep each
-  /// other from breathing in all directions at once, so bodies of several cells do not need it.
-  [[gnu::always_inline]] V breathing(const Motion& k, V bulk, V shear, V rho) const {
-    if (!free_element_) return V{};
-    const V lambda = max_of(bulk - Real(2.0 / 3.0) * shear, V{});
-    const V per_area = k.length / k.volume;  // 1 / sqrt(2 P_max)
-    return lambda * max_of(Real(2.0) * k.gradient_norm * per_area * per_area - Real(1.0), V{}) / rho;
+  /// Freedom to breathe: an element has 3 K where a plane wave has K + 4G/3. With neighbours behind all its faces it
+  /// has none. Corners of bodies that are thicker than a cell have 3 faces exposed, and at Poisson's ratio 1/2 a
+  /// quarter of the freedom; corners of sheets have 4 and two quarters, ends of bars 5 and three, single cells 6 and
+  /// all of it.
+  [[gnu::always_inline]] void store_free_share(Work& w, int block, int lane) const {
+    V share{};
+    for (int l = 0; l < lanes_of<Real>; ++l) {
+      const int exposed = w.exposed_faces ? w.exposed_faces[block * lane_width + lane + l] : 0;
+      share[l] = free_element_ ? Real(1.0) : Real(0.25) * static_cast<Real>(std::max(exposed - 2, 0));
+    }
+    store_lanes(at(w.element_state, w.n_element_state, block, free_share, lane), share);
+  }
+
+  /// The plane wave's bound, with what a free element adds to it. With P_i the eigenvalues of B B^T, deformation along
+  /// its axes has the stiffness 2 G P_i delta_ij + lambda sqrt(P_i P_j), whose largest eigenvalue is at most
+  /// 2 G P_max + lambda tr P; the plane wave's is (2 G + lambda) P_max. The bulk viscosity's is tr P in place of P_max.
+  /// Neighbours keep each other from breathing in all directions at once, so most elements do not need it.
+  [[gnu::always_inline]] static V stable_step(const Work& w, int block, int lane, const Motion& k, V per_volume,
+                                              V viscosity, V c2, V bulk, V shear, V rho) {
+    const V share = load_lanes(at(w.element_state, w.n_element_state, block, free_share, lane));
+    V fastest2 = c2;
+    if (mask_of(share > Real(0.0)) != 0) [[unlikely]] {
+      const V lambda = max_of(bulk - Real(2.0 / 3.0) * shear, V{});
+      const V per_area = k.length * per_volume;  // 1 / sqrt(2 P_max)
+      const V others = share * max_of(Real(2.0) * k.gradient_norm * per_area * per_area - Real(1.0), V{});
+      fastest2 += lambda * others / rho;
+      viscosity += others * viscosity;
+    }
+    return k.length / (viscosity + sqrt_of(viscosity * viscosity + fastest2) + tiny<Real>);
   }
 
   [[gnu::always_inline]] static void note_step(Work& w, int block, int lane, V step) {
@@ -397,9 +418,8 @@ class Kernel {
       store_lanes(viscous_energy, load_lanes(viscous_energy) + p.viscous_work);
     }
     store_lanes(at(w.pressure, 1, block, 0, lane), p.p);
-    const V fastest2 =
-        p.c * p.c + breathing(p.k, load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
-    p.stable = p.k.length / (p.viscosity + sqrt_of(p.viscosity * p.viscosity + fastest2));
+    p.stable = stable_step(w, block, lane, p.k, p.per_volume, p.viscosity, p.c * p.c,
+                           load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
   }
 
   unsigned judge_block(Work& w, int block, const Strain& step, const Piece (&pieces)[pieces_of<Real>]) const {
