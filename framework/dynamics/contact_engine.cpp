@@ -131,7 +131,7 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   for (int k = 0; k < 4; ++k) {
     KERF_ASSERT(track_of_[r.locals[k]] >= 0, "the corners of a facet that takes part are tracked");
     const std::int32_t tracked = track_of_[r.locals[k]];
-    x[k] = nodes.x(r.locals[k]);
+    x[k] = predicted_x(model, r.locals[k]);
     undeformed[k] = undeformed_[tracked];
     r.box.include(tracked_[tracked].box);
     r.own_box.include(own_boxes_[tracked]);
@@ -261,6 +261,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
   velocity_.assign(4 * n, 0.0);
   mass_.assign(n, 0.0);
   force_.assign(4 * n, 0);
+  share_.assign(n, 0);
   load_ = {};
   plan_.reset();
   if (model.n_ranks() == 1) {
@@ -272,7 +273,11 @@ void ContactEngine::connect(const Model& model, bool fresh) {
     plan_ = std::make_unique<ExchangePlan>(model.comm, needed, [&](std::int64_t id) { return model.local_node(id); });
     plan_->pull(model.nodes.mass.data(), 1, mass_.data(), 1, 1);
     load_.nodes = plan_->sources();
-    owned_force_.assign(4 * static_cast<std::size_t>(model.nodes.n()), 0);
+    const auto n_local = static_cast<std::size_t>(model.nodes.n());
+    owned_force_.assign(4 * n_local, 0);
+    owned_share_.assign(n_local, 0);
+    owned_position_.assign(4 * n_local, 0.0);
+    owned_velocity_.assign(4 * n_local, 0.0);
   }
   load_.force.assign(4 * load_.nodes.size(), 0);
 }
@@ -287,7 +292,7 @@ void ContactEngine::search(Model& model, const Step& step) {
   last_search_ = last_renewal_ = step.cycle;
   valid_ = true;
 
-  search_time_ = step.end();
+  search_time_ = step.end() + dt_ahead_;
   horizon_ = search_time_ + static_cast<double>(law_.search_interval + 1) * step.dt;
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
@@ -312,7 +317,7 @@ bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_l
   std::vector<ContactNodeRecord> slaves;
   std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
   for (const auto& [k, boxes] : strays_) {
-    foresee(model, static_cast<std::size_t>(k), step.end(), boxes);
+    foresee(model, static_cast<std::size_t>(k), step.end() + dt_ahead_, boxes);
     stray[tracked_[k].node] = 1;
     add_slave(model, static_cast<std::size_t>(k), slaves);
   }
@@ -354,7 +359,7 @@ bool ContactEngine::keep_complete(Model& model, const Step& step) {
     return refresh(model, step, false);
   }
   last_renewal_ = step.cycle;
-  horizon_ = step.end() + static_cast<double>(law_.search_interval + 1) * step.dt;
+  horizon_ = step.end() + dt_ahead_ + static_cast<double>(law_.search_interval + 1) * step.dt;
   find_outgrown(model, step);
   const bool enough = refresh(model, step, true);
   if (enough) ++counts_.renewals;
@@ -391,18 +396,47 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
   connect(model, false);
 }
 
+/// The velocity that a node will have in the coming step if contact does nothing [m/s].
+Vec3 ContactEngine::predicted_v(const Model& model, int node) const {
+  const NodeStore& nodes = model.nodes;
+  const double a = nodes.inverse_mass[node] * (model.quanta.force.quantum * kick_ahead_);
+  Vec3 v = nodes.v(node);
+  for (int d = 0; d < 3; ++d) v[d] += static_cast<double>(nodes.force[4 * node + d]) * a;
+  return v;
+}
+
+/// Where a node will be at the end of the coming step if contact does nothing [m].
+Vec3 ContactEngine::predicted_x(const Model& model, int node) const {
+  return model.nodes.x(node) + predicted_v(model, node) * dt_ahead_;
+}
+
 void ContactEngine::pull(const Model& model) {
-  if (plan_) {
-    plan_->pull(model.nodes.position.data(), 4, position_.data(), 4, 3);
-    plan_->pull(model.nodes.velocity.data(), 4, velocity_.data(), 4, 3);
+  const auto predict = [&](std::int32_t node, double* position, double* velocity) {
+    const Vec3 x = predicted_x(model, node), v = predicted_v(model, node);
+    for (int d = 0; d < 3; ++d) {
+      position[d] = x[d];
+      velocity[d] = v[d];
+    }
+  };
+  if (!plan_) {
+    for (std::size_t i = 0; i < found_->node_local.size(); ++i)
+      predict(found_->node_local[i], &position_[4 * i], &velocity_[4 * i]);
     return;
   }
-  for (std::size_t i = 0; i < found_->node_local.size(); ++i) {
-    const auto n = static_cast<std::size_t>(found_->node_local[i]);
-    // Compiled to two moves, while std::copy_n calls the library for every node.
-    std::memcpy(&position_[4 * i], &model.nodes.position[4 * n], 4 * sizeof(double));
-    std::memcpy(&velocity_[4 * i], &model.nodes.velocity[4 * n], 4 * sizeof(double));
-  }
+  for (const std::int32_t n : load_.nodes)
+    predict(n, &owned_position_[4 * static_cast<std::size_t>(n)], &owned_velocity_[4 * static_cast<std::size_t>(n)]);
+  plan_->pull(owned_position_.data(), 4, position_.data(), 4, 3);
+  plan_->pull(owned_velocity_.data(), 4, velocity_.data(), 4, 3);
+}
+
+/// Sums what the touches of all ranks ask of the masses of nodes. Collective.
+void ContactEngine::split_masses(const ContactView& view, double quantum) {
+  std::fill(share_.begin(), share_.end(), 0);
+  add_shares(view, touches_, {share_.data(), quantum});
+  if (!plan_) return;
+  for (const std::int32_t n : load_.nodes) owned_share_[static_cast<std::size_t>(n)] = 0;
+  plan_->push_add(share_.data(), 1, owned_share_.data(), 1, 1);
+  plan_->pull(owned_share_.data(), 1, share_.data(), 1, 1);
 }
 
 void ContactEngine::push(Model& model) {
@@ -422,9 +456,10 @@ void ContactEngine::push(Model& model) {
   }
 }
 
-ContactView ContactEngine::view(double dt) const {
+ContactView ContactEngine::view() const {
   ContactView v;
-  v.dt = dt;
+  v.dt = dt_ahead_;
+  v.kick_dt = kick_ahead_;
   v.n_nodes = static_cast<int>(found_->node_id.size());
   v.node_id = found_->node_id.data();
   v.position = position_.data();
@@ -447,16 +482,22 @@ ContactView ContactEngine::view(double dt) const {
   return v;
 }
 
-void ContactEngine::add_forces(Model& model, const Step& step, Timers& timers) {
+void ContactEngine::add_forces(Model& model, const Step& step, const Step& next, Timers& timers) {
+  dt_ahead_ = next.dt;
+  kick_ahead_ = next.kick_dt();
   {
     const auto scope = timers.measure("contact_search");
     if (!keep_complete(model, step)) search(model, step);
   }
   const auto scope = timers.measure("contact_forces");
   pull(model);
+  const ContactView seen = view();
+  touches_.clear();
+  law_.find_touches(seen, touches_);
+  split_masses(seen, model.quanta.mass);
   std::fill(force_.begin(), force_.end(), 0);
   ContactForces forces(force_.data(), model.quanta.force);
-  law_.add_forces(view(step.dt), forces);
+  add_impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass}, forces);
   if (forces.overflow_node() >= 0)
     trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
                            found_->node_id[forces.overflow_node()],
@@ -466,12 +507,13 @@ void ContactEngine::add_forces(Model& model, const Step& step, Timers& timers) {
 
 std::vector<std::string> ContactEngine::initial_penetrations(Model& model) {
   Step none;
+  dt_ahead_ = kick_ahead_ = 0.0;
   search(model, none);
   valid_ = false;
   pull(model);
   std::vector<int> nodes;
   std::vector<double> depths;
-  law_.penetrations(view(0.0), nodes, depths);
+  law_.penetrations(view(), nodes, depths);
   struct Deepest {
     double depth;
     std::int64_t id;

@@ -14,6 +14,7 @@
 #include "dynamics/candidate_search.hpp"
 #include "dynamics/integrator.hpp"
 #include "dynamics/names.hpp"
+#include "dynamics/contact_impacts.hpp"
 #include "kerf/contact.hpp"
 #include "kerf/partitioner.hpp"
 #include "state/model.hpp"
@@ -33,8 +34,11 @@ class ContactEngine {
   /// leaves it to the next search. Collective.
   void surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
                        std::vector<ExteriorFacet> opened);
-  /// Adds this definition's forces to the owners of the nodes, searching first if needed. Collective.
-  void add_forces(Model& model, const Step& step, Timers& timers);
+  /// Adds this definition's forces to the owners of the nodes, searching first if needed. Pre: the nodes' forces are
+  /// the sums of all others, on all copies; `next` is the step in which they will act. Collective.
+  void add_forces(Model& model, const Step& step, const Step& next, Timers& timers);
+  /// The longest step after the coming one in which no pair of this rank closes too far [s].
+  double longest_step() const { return touches_.longest_step(); }
   /// Forces of the last call on nodes that this rank owns.
   const ContactLoad& load() const { return load_; }
   /// How often candidates were looked for, the same on all ranks.
@@ -83,9 +87,12 @@ class ContactEngine {
   double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);
+  Vec3 predicted_v(const Model& model, int node) const;
+  Vec3 predicted_x(const Model& model, int node) const;
   void pull(const Model& model);
+  void split_masses(const ContactView& view, double quantum);
   void push(Model& model);
-  ContactView view(double dt) const;
+  ContactView view() const;
 
   static constexpr double beyond = 1e15;  // what no length of a sound model reaches [m]
 
@@ -113,9 +120,12 @@ class ContactEngine {
   std::unique_ptr<CandidateSearch> search_;
   const Candidates* found_ = nullptr;  // of search_
   std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank
-  AlignedVector<double> position_, velocity_;
+  double dt_ahead_ = 0.0, kick_ahead_ = 0.0;  // of the step for which positions and velocities are predicted [s]
+  AlignedVector<double> position_, velocity_;  // of the nodes of the view, predicted
+  AlignedVector<double> owned_position_, owned_velocity_;  // of this rank's nodes that other ranks need, predicted
   std::vector<double> mass_;
-  std::vector<std::int64_t> force_, owned_force_;
+  std::vector<std::int64_t> force_, owned_force_, share_, owned_share_;
+  ContactTouches touches_;
   ContactLoad load_;
   std::string trouble_;
 };

@@ -79,6 +79,14 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
   Step none;
   reduce(none, report);
   first_stable_ = reduction_.least_step;
+  // Twice: bodies that touch from the start may ask for a shorter first step.
+  if (!contacts_.empty()) {
+    const std::vector<std::int64_t> forces(model_.nodes.force.begin(), model_.nodes.force.end());
+    add_contact_forces(none);
+    reduce(none, report);
+    std::copy(forces.begin(), forces.end(), model_.nodes.force.begin());
+    add_contact_forces(none);
+  }
   for (PartModel& part : model_.parts) {
     std::vector<double> mass;
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
@@ -146,20 +154,32 @@ void Simulation::add_forces(const Step& step) {
     report = add_internal_forces(model_, step, *erosion_, ledger_);
     element_cycles_ += model_.n_live_local();
   }
-  for (auto& c : contacts_) {
-    c->add_forces(model_, step, timers_);
-    if (report.trouble.empty()) report.trouble = c->trouble();
+  {
+    const auto scope = timers_.measure("halo");
+    sum_over_copies(model_, model_.nodes.force.data(), 4);
+    reduce(step, report);
   }
-  load_ = load();
-  const auto scope = timers_.measure("halo");
-  sum_over_copies(model_, model_.nodes.force.data(), 4);
-  reduce(step, report);
+  add_contact_forces(step);
 }
 
-void Simulation::reduce(const Step& step, const ElementReport& report) {
+/// Contact needs to know what all other forces will do in the coming step.
+void Simulation::add_contact_forces(const Step& step) {
+  if (contacts_.empty()) return;
+  for (auto& c : contacts_) c->add_forces(model_, step, next_step(), timers_);
+  load_ = load();
+  const auto scope = timers_.measure("halo");
+  copy_to_ghosts(model_, model_.nodes.force.data(), 4);
+}
+
+void Simulation::reduce(const Step& step, ElementReport report) {
   StepReduction mine;
   mine.least_step = report.least_step;
   mine.least_id = report.least_id;
+  for (const auto& c : contacts_) {
+    if (report.trouble.empty()) report.trouble = c->trouble();
+    const double step = c->longest_step() / input_.time.safety_factor;
+    if (step < mine.least_step) mine = {step, -1, 0};
+  }
   if (!report.trouble.empty()) mine.flags |= flag_trouble;
   if (report.failed) mine.flags |= flag_failed;
   if (signal_seen != 0) mine.flags |= flag_signal;

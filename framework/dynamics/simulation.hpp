@@ -86,7 +86,8 @@ class Simulation {
   void renumbered();
   void rebalance(const Step& step);
   void add_forces(const Step& step);
-  void reduce(const Step& step, const ElementReport& report);
+  void add_contact_forces(const Step& step);
+  void reduce(const Step& step, ElementReport report);
   void erode(const Step& step);
   void check_energy(const Balance& balance) const;
   void check_speeds(double time) const;

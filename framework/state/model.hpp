@@ -34,6 +34,7 @@ struct PartModel {
 struct Quanta {
   ForceScale force;
   double energy = 1.0, per_energy = 1.0;  // [J], [1/J]; powers of two
+  double mass = 1.0;  // [kg]; a power of two
 };
 
 struct Model {

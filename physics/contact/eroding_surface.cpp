@@ -64,22 +64,25 @@ struct ErodingSurface final : Contact {
   // has to foresee how facets may stretch.
   double reach(const FacetBounds& facet) const override { return FacetSlabs::reach_of(depth, facet.edge); }
 
-  void add_forces(const ContactView& view, ContactForces& forces) const override {
+  void find_touches(const ContactView& view, ContactTouches& touches) const override {
     const FacetSlabs slabs(view, depth);
     Near near;
-    for (int i = 0; i < view.n_slaves; ++i) {
+    for (int i = 0; i < view.n_slaves; ++i)
       each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
-        const int node = view.slave[i];
+        ContactTouch touch;
+        touch.node = view.slave[i];
+        touch.facet = facet;
+        for (int k = 0; k < 4; ++k) touch.weights[k] = t.weights[k];
+        touch.direction = t.direction;
+        touch.depth = t.distance;
         const FacetGeometry g(view, facet);
-        const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
-        const double mass = effective_mass(view, node, n, t.weights);
-        const double stiffness = min_of(penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness,
-                                        stability * mass / (view.dt * view.dt));
-        const Vec3 v = relative_velocity(view, node, n, t.weights);
-        forces.add(node, n, t.weights,
-                   penalty_force({stiffness, damping, friction}, t.distance, t.direction, v, mass, view.dt));
+        touch.stiffness = penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness;
+        touches.add(touch);
       });
-    }
+  }
+
+  ContactResponse response() const override {
+    return {.restitution = 1.0 - damping, .stability = stability, .friction = friction};
   }
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
