@@ -180,7 +180,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   p.element_cycles = sum_of(model.comm, p.element_cycles);
   RestartWriter file(model.comm, path);
   file.write_attribute("input_digest", input_digest);
-  file.write_attribute("clock", std::vector<double>{p.time, p.last_dt, p.reduction.least_step, p.first_stable});
+  file.write_attribute("clock", std::vector<double>{p.time, p.last_dt, p.reduction.least_step, p.first_stable, p.contact_step});
   file.write_attribute("counters", std::vector<std::int64_t>{p.cycle, p.last_rebalance, p.element_cycles,
                                                              p.reduction.least_id, output.n_frames});
   file.write_attribute("due", std::vector<double>{output.next_results, output.next_history, output.next_restart});
@@ -208,6 +208,7 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   p.last_dt = clock.at(1);
   p.reduction.least_step = clock.at(2);
   p.first_stable = clock.at(3);
+  p.contact_step = clock.at(4);
   p.cycle = counters.at(0);
   p.last_rebalance = counters.at(1);
   p.element_cycles = counters.at(2);

@@ -31,6 +31,44 @@ ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique
       masters_(model, request_.masters),
       space_(std::move(space)) {
   for (const auto& boundary : model.input->boundaries) mirrored_.emplace_back(model, boundary->nodes());
+  measure_reach(model);
+}
+
+double ContactSpeeds::fastest_pair() const {
+  const Vec3 most_apart{most[0] + most[3], most[1] + most[4], most[2] + most[5]};
+  return most[0] > -1e300 ? norm(most_apart) : 0.0;
+}
+
+/// The least reach of any face of any undeformed element. Collective.
+void ContactEngine::measure_reach(const Model& model) {
+  double least = beyond;
+  for (const PartModel& part : model.parts)
+    for (int s = 0; s < part.store->n_slots(); ++s) {
+      if (!part.store->live(s)) continue;
+      Vec3 x[8];
+      for (int k = 0; k < 8; ++k) x[k] = model.nodes.x(part.store->node(s, k));
+      for (const auto& face : hex_face) {
+        FacetBounds bounds;
+        for (int k = 0; k < 4; ++k) bounds.edge = std::max(bounds.edge, norm(x[face[(k + 1) % 4]] - x[face[k]]));
+        bounds.longest_edge = bounds.thickness = bounds.edge;
+        least = std::min(least, law_.reach(bounds));
+      }
+    }
+  least_reach_ = -greatest(model.comm, -least);
+}
+
+/// How fast the nodes that take part move, without the ones that have been dropped.
+void ContactEngine::measure_speeds(const Model& model) {
+  speeds_ = {};
+  speeds_.longest_step = touches_.longest_step();
+  for (const Tracked& t : tracked_) {
+    if (!(model.nodes.mass[t.node] > 0.0)) continue;
+    const double* v = &model.nodes.velocity[4 * static_cast<std::size_t>(t.node)];
+    for (int d = 0; d < 3; ++d) {
+      speeds_.most[d] = std::max(speeds_.most[d], -v[d]);
+      speeds_.most[3 + d] = std::max(speeds_.most[3 + d], v[d]);
+    }
+  }
 }
 
 void ContactEngine::renumbered(const Model& model) {
@@ -292,7 +330,7 @@ void ContactEngine::search(Model& model, const Step& step) {
   last_search_ = last_renewal_ = step.cycle;
   valid_ = true;
 
-  search_time_ = step.end() + dt_ahead_;
+  search_time_ = step.end() + dt_ahead();
   horizon_ = search_time_ + static_cast<double>(law_.search_interval + 1) * step.dt;
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
@@ -317,7 +355,7 @@ bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_l
   std::vector<ContactNodeRecord> slaves;
   std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
   for (const auto& [k, boxes] : strays_) {
-    foresee(model, static_cast<std::size_t>(k), step.end() + dt_ahead_, boxes);
+    foresee(model, static_cast<std::size_t>(k), step.end() + dt_ahead(), boxes);
     stray[tracked_[k].node] = 1;
     add_slave(model, static_cast<std::size_t>(k), slaves);
   }
@@ -359,7 +397,7 @@ bool ContactEngine::keep_complete(Model& model, const Step& step) {
     return refresh(model, step, false);
   }
   last_renewal_ = step.cycle;
-  horizon_ = step.end() + dt_ahead_ + static_cast<double>(law_.search_interval + 1) * step.dt;
+  horizon_ = step.end() + dt_ahead() + static_cast<double>(law_.search_interval + 1) * step.dt;
   find_outgrown(model, step);
   const bool enough = refresh(model, step, true);
   if (enough) ++counts_.renewals;
@@ -396,19 +434,15 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
   connect(model, false);
 }
 
-/// The velocity that a node will have in the coming step if contact does nothing [m/s].
 Vec3 ContactEngine::predicted_v(const Model& model, int node) const {
-  const NodeStore& nodes = model.nodes;
-  const double a = nodes.inverse_mass[node] * (model.quanta.force.quantum * kick_ahead_);
-  Vec3 v = nodes.v(node);
-  for (int d = 0; d < 3; ++d) v[d] += static_cast<double>(nodes.force[4 * node + d]) * a;
-  return v;
+  return prediction_ ? prediction_->velocity(node) : model.nodes.v(node);
 }
 
-/// Where a node will be at the end of the coming step if contact does nothing [m].
 Vec3 ContactEngine::predicted_x(const Model& model, int node) const {
-  return model.nodes.x(node) + predicted_v(model, node) * dt_ahead_;
+  return prediction_ ? prediction_->position(node) : model.nodes.x(node);
 }
+
+double ContactEngine::dt_ahead() const { return prediction_ ? prediction_->step().dt : 0.0; }
 
 void ContactEngine::pull(const Model& model) {
   const auto predict = [&](std::int32_t node, double* position, double* velocity) {
@@ -417,6 +451,7 @@ void ContactEngine::pull(const Model& model) {
       position[d] = x[d];
       velocity[d] = v[d];
     }
+    position[3] = prediction_ ? prediction_->held_axes(node) : 0.0;
   };
   if (!plan_) {
     for (std::size_t i = 0; i < found_->node_local.size(); ++i)
@@ -425,7 +460,7 @@ void ContactEngine::pull(const Model& model) {
   }
   for (const std::int32_t n : load_.nodes)
     predict(n, &owned_position_[4 * static_cast<std::size_t>(n)], &owned_velocity_[4 * static_cast<std::size_t>(n)]);
-  plan_->pull(owned_position_.data(), 4, position_.data(), 4, 3);
+  plan_->pull(owned_position_.data(), 4, position_.data(), 4, 4);
   plan_->pull(owned_velocity_.data(), 4, velocity_.data(), 4, 3);
 }
 
@@ -458,8 +493,8 @@ void ContactEngine::push(Model& model) {
 
 ContactView ContactEngine::view() const {
   ContactView v;
-  v.dt = dt_ahead_;
-  v.kick_dt = kick_ahead_;
+  v.dt = dt_ahead();
+  v.kick_dt = prediction_ ? prediction_->step().kick_dt() : 0.0;
   v.n_nodes = static_cast<int>(found_->node_id.size());
   v.node_id = found_->node_id.data();
   v.position = position_.data();
@@ -482,9 +517,8 @@ ContactView ContactEngine::view() const {
   return v;
 }
 
-void ContactEngine::add_forces(Model& model, const Step& step, const Step& next, Timers& timers) {
-  dt_ahead_ = next.dt;
-  kick_ahead_ = next.kick_dt();
+void ContactEngine::add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers) {
+  prediction_ = &prediction;
   {
     const auto scope = timers.measure("contact_search");
     if (!keep_complete(model, step)) search(model, step);
@@ -494,6 +528,7 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Step& next,
   const ContactView seen = view();
   touches_.clear();
   law_.find_touches(seen, touches_);
+  measure_speeds(model);
   split_masses(seen, model.quanta.mass);
   std::fill(force_.begin(), force_.end(), 0);
   ContactForces forces(force_.data(), model.quanta.force);
@@ -503,11 +538,12 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Step& next,
                            found_->node_id[forces.overflow_node()],
                            model.parts[found_->node_part[forces.overflow_node()]].input->name, model.rank());
   push(model);
+  prediction_ = nullptr;
 }
 
 std::vector<std::string> ContactEngine::initial_penetrations(Model& model) {
   Step none;
-  dt_ahead_ = kick_ahead_ = 0.0;
+  prediction_ = nullptr;
   search(model, none);
   valid_ = false;
   pull(model);

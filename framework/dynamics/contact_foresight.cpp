@@ -144,7 +144,7 @@ std::vector<char> ContactEngine::parts_with_own_frame() const {
 /// Lists the nodes that will have left their boxes at the end of the coming step.
 void ContactEngine::find_strays(const Model& model, const Step& step) {
   strays_.clear();
-  const double since = step.end() + dt_ahead_ - search_time_;
+  const double since = step.end() + dt_ahead() - search_time_;
   std::vector<FrameOrigin> own;
   for (const Vec3 v : part_velocities_) own.emplace_back(v * since);
   const std::vector<char> has_own = parts_with_own_frame();
@@ -167,7 +167,7 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
 void ContactEngine::find_outgrown(const Model& model, const Step& step) {
   strays_.clear();
   const std::vector<char> has_own = parts_with_own_frame();
-  const double now = step.end() + dt_ahead_;
+  const double now = step.end() + dt_ahead();
   const Foresight from{now - search_time_, std::max(horizon_ - now, 0.0), farthest * slack_};
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     const Tracked& t = tracked_[k];

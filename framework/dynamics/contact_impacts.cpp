@@ -25,12 +25,15 @@ std::int64_t share_of_corner(std::int64_t share, double weight) {
 }
 
 /// The mass that moves in a touch: 1 / (1/m_s + sum of w_k^2 / m_k), of the shares of mass that the touch has [kg].
-double effective_mass(const ContactView& view, const ContactTouch& t, const MassSplit& split) {
+/// Infinite where boundary conditions hold all nodes.
+double effective_mass(const ContactView& view, const ContactTouch& t, const MassSplit& split, Vec3 along) {
   const std::int32_t* n = corners_of(view, t);
   const auto share = static_cast<double>(share_of(view, t, split.quantum));
-  double inverse = static_cast<double>(split.shares[t.node]) / (share * view.mass[t.node]);
-  for (int k = 0; k < 4; ++k)
-    inverse += t.weights[k] * static_cast<double>(split.shares[n[k]]) / (share * view.mass[n[k]]);
+  const auto part = [&](int node) {
+    return static_cast<double>(split.shares[node]) / (share * view.mass[node]) * view.mobility(node, along);
+  };
+  double inverse = part(t.node);
+  for (int k = 0; k < 4; ++k) inverse += t.weights[k] * part(n[k]);
   return 1.0 / inverse;
 }
 
@@ -85,13 +88,16 @@ void add_impacts(const ContactView& view, const ContactTouches& touches, const C
     const Vec3 v = relative_velocity(view, t);
     const double closing = -dot(v, t.direction);
     if (!(closing > 0.0)) continue;
-    const double mass = effective_mass(view, t, split);
+    const double mass = effective_mass(view, t, split, t.direction);
+    if (!std::isfinite(mass)) continue;
     const double push = mass * change_of_speed(t, response, closing, mass, view.dt);
     Vec3 impulse = t.direction * push;
     const Vec3 sliding = v + t.direction * closing;
     const double speed = norm(sliding);
-    if (response.friction > 0.0 && speed > 0.0)
-      impulse = impulse - sliding * (min_of(response.friction * push, mass * speed) / speed);
+    if (response.friction > 0.0 && speed > 0.0) {
+      const Vec3 way = sliding * (1.0 / speed);
+      impulse = impulse - way * min_of(response.friction * push, effective_mass(view, t, split, way) * speed);
+    }
     forces.add(t.node, corners_of(view, t), t.weights, impulse * (1.0 / view.kick_dt));
   }
 }

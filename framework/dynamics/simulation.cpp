@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <limits>
+#include <tuple>
 
 #include "core/diagnostics.hpp"
 #include "core/fixed_sum.hpp"
@@ -19,6 +21,8 @@ namespace {
 
 enum Flag : std::int64_t { flag_trouble = 1, flag_failed = 2, flag_signal = 4 };
 
+constexpr double unseen = 0.6;  // of its least reach, that contact lets anything travel in a step
+
 volatile std::sig_atomic_t signal_seen = 0;
 extern "C" void note_signal(int number) { signal_seen = number; }
 
@@ -30,8 +34,9 @@ void combine(void* in, void* inout, int* n, MPI_Datatype*) {
     const std::int64_t flags = a[i].flags | b[i].flags;
     if (a[i].least_step < b[i].least_step || (a[i].least_step == b[i].least_step && a[i].least_id >= 0 &&
                                               (b[i].least_id < 0 || a[i].least_id < b[i].least_id)))
-      b[i] = a[i];
+      std::tie(b[i].least_step, b[i].least_id) = std::tie(a[i].least_step, a[i].least_id);
     b[i].flags = flags;
+    b[i].speeds.join(a[i].speeds);
   }
 }
 
@@ -79,19 +84,26 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
   Step none;
   reduce(none, report);
   first_stable_ = reduction_.least_step;
-  // Twice: bodies that touch from the start may ask for a shorter first step.
-  if (!contacts_.empty()) {
-    const std::vector<std::int64_t> forces(model_.nodes.force.begin(), model_.nodes.force.end());
-    add_contact_forces(none);
-    reduce(none, report);
-    std::copy(forces.begin(), forces.end(), model_.nodes.force.begin());
-    add_contact_forces(none);
-  }
+  if (!contacts_.empty()) start_contact(report);
   for (PartModel& part : model_.parts) {
     std::vector<double> mass;
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
     part.initial_mass = order_free_sum(comm, mass);
   }
+}
+
+/// Bodies that touch or are about to ask for a short first step, which shows only when it has been tried.
+void Simulation::start_contact(const ElementReport& report) {
+  const std::vector<std::int64_t> forces(model_.nodes.force.begin(), model_.nodes.force.end());
+  const Step none;
+  StepReduction tried;
+  do {
+    tried = reduction_;
+    std::copy(forces.begin(), forces.end(), model_.nodes.force.begin());
+    add_contact_forces(none);
+    reduce(none, report);
+  } while (reduction_.least_step < tried.least_step);
+  reduction_ = tried;
 }
 
 void Simulation::renumbered() {
@@ -165,7 +177,8 @@ void Simulation::add_forces(const Step& step) {
 /// Contact needs to know what all other forces will do in the coming step.
 void Simulation::add_contact_forces(const Step& step) {
   if (contacts_.empty()) return;
-  for (auto& c : contacts_) c->add_forces(model_, step, next_step(), timers_);
+  const Prediction prediction(integrator_, model_, next_step());
+  for (auto& c : contacts_) c->add_forces(model_, step, prediction, timers_);
   load_ = load();
   const auto scope = timers_.measure("halo");
   copy_to_ghosts(model_, model_.nodes.force.data(), 4);
@@ -175,15 +188,20 @@ void Simulation::reduce(const Step& step, ElementReport report) {
   StepReduction mine;
   mine.least_step = report.least_step;
   mine.least_id = report.least_id;
-  for (const auto& c : contacts_) {
+  mine.speeds = contact_speeds();
+  for (const auto& c : contacts_)
     if (report.trouble.empty()) report.trouble = c->trouble();
-    const double step = c->longest_step() / input_.time.safety_factor;
-    if (step < mine.least_step) mine = {step, -1, 0};
-  }
   if (!report.trouble.empty()) mine.flags |= flag_trouble;
   if (report.failed) mine.flags |= flag_failed;
   if (signal_seen != 0) mine.flags |= flag_signal;
   reduction_ = all_reduce(model_.comm, mine);
+  double allowed = contact_step(reduction_.speeds);
+  if (resumed_contact_step_ > 0.0) allowed = resumed_contact_step_;
+  resumed_contact_step_ = 0.0;
+  if (allowed < input_.time.safety_factor * reduction_.least_step) {
+    reduction_.least_step = allowed / input_.time.safety_factor;
+    reduction_.least_id = -1;
+  }
   if ((reduction_.flags & flag_trouble) != 0) stop(report.trouble, report.trouble_id, step);
   signalled_ = (reduction_.flags & flag_signal) != 0;
   const double first = first_stable_ > 0.0 ? first_stable_ : reduction_.least_step;
@@ -237,8 +255,26 @@ bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) !=
 
 Balance Simulation::sample() { return integrator_.sample(model_, next_step(), load_, ledger_); }
 
+ContactSpeeds Simulation::contact_speeds() const {
+  ContactSpeeds all;
+  for (const auto& c : contacts_) all.join(c->speeds());
+  return all;
+}
+
+/// The longest step in which contact misses nothing [s]: no pair closes too far, and no node comes from where no facet
+/// sees it to behind one.
+double Simulation::contact_step(const ContactSpeeds& speeds) const {
+  double least_reach = std::numeric_limits<double>::max();
+  for (const auto& c : contacts_) least_reach = std::min(least_reach, c->least_reach());
+  const double speed = speeds.fastest_pair();
+  return std::min(speeds.longest_step, speed > 0.0 ? unseen * least_reach / speed : speeds.longest_step);
+}
+
 Simulation::Progress Simulation::progress() const {
   Progress p;
+  StepReduction now;
+  now.speeds = contact_speeds();
+  p.contact_step = contact_step(all_reduce(model_.comm, now).speeds);
   p.time = clock_.time();
   p.last_dt = clock_.last_dt();
   p.cycle = clock_.cycle();
@@ -255,6 +291,7 @@ void Simulation::resume(const Progress& p) {
   reduction_ = p.reduction;
   reduction_.flags = 0;
   first_stable_ = p.first_stable;
+  resumed_contact_step_ = p.contact_step;
   balancer_.distribute(model_);
   balancer_.restore(p.last_rebalance);
   renumbered();

@@ -21,7 +21,7 @@ struct ContactRow {
 /// whatever a plugin sums or chooses along them is the same on any number of ranks; the order of nodes and facets
 /// themselves means nothing, ties are broken by id. Which facets beyond their reach are listed varies, and some nodes
 /// and facets are listed that no row refers to: a law must not let them matter. Positions and velocities have four
-/// entries per node, on boundaries of 32 bytes.
+/// entries per node, on boundaries of 32 bytes; the fourth one of a position says which axes boundary conditions hold.
 ///
 /// Positions and velocities are predicted: the velocity that a node will have in the coming step if contact does
 /// nothing, and where the node will then be at the end of that step. A law thus sees a touch before it happens.
@@ -50,6 +50,13 @@ struct ContactView {
   /// Facets that hold node slave[i]; none for free nodes.
   std::span<const std::int32_t> around_slave(int i) const { return part_of(around, around_rows[i]); }
   Vec3 x(int node) const { return {position[4 * node], position[4 * node + 1], position[4 * node + 2]}; }
+  /// What a force along `direction` moves of a node: 1, or less where boundary conditions hold it.
+  double mobility(int node, Vec3 direction) const {
+    const auto held = static_cast<unsigned>(position[4 * static_cast<std::int64_t>(node) + 3]);
+    double moved = 0.0;
+    for (int d = 0; d < 3; ++d) moved += (held >> d & 1u) != 0 ? 0.0 : direction[d] * direction[d];
+    return held == 0 ? 1.0 : moved;
+  }
   Vec3 v(int node) const { return {velocity[4 * node], velocity[4 * node + 1], velocity[4 * node + 2]}; }
 
  private:
