@@ -24,6 +24,7 @@ struct PartModel {
   std::int64_t first_node = 0, n_nodes = 0;
   double bulk_modulus = 0.0;  // of the undeformed material [Pa]
   double shear_modulus = 0.0;  // [Pa]
+  double initial_pressure = 0.0;  // [Pa]
   double initial_mass = 0.0;  // [kg]
   double work = 1.0;  // work of one element and cycle, for the work model
   std::unique_ptr<Placement> placement;

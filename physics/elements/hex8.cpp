@@ -24,8 +24,8 @@ struct Hex8 final : Element {
     s.choice(&Hex8::hourglass, "hourglass", {"viscous", "stiffness"},
              "resistance to hourglass modes: proportional to their velocity, or to their displacement")
         .by_default("viscous");
-    s.real(&Hex8::hourglass_coefficient, "hourglass_coefficient", "-", between(0.0, 0.15),
-           "strength of the hourglass control; stable up to about 0.12 (viscous)")
+    s.real(&Hex8::hourglass_coefficient, "hourglass_coefficient", "-", between(0.0, 0.5),
+           "strength of the hourglass control")
         .by_default("0.05");
     s.real(&Hex8::linear_viscosity, "linear_viscosity", "-", between(0.0, 2.0), "linear bulk viscosity coefficient")
         .by_default("0.06");

@@ -59,12 +59,32 @@ class Kernel {
         for (int i = 0; i < 6; ++i) store_lanes(at(w.deviator, 6, block, i, lane), load_lanes(rows.deviator[i] + lane));
         const V rho = load_lanes(rows.density + lane), shear = load_lanes(rows.modulus + lane),
                 K = load_lanes_as<Real>(rows.bulk + lane);
-        const V c2 = (K + Real(4.0 / 3.0) * shear) / rho, viscosity = linear_viscosity_ * sqrt_of(c2);
-        const V fastest2 = c2 + breathing(piece, K, shear, rho);
-        note_step(w, block, lane, piece.length / (viscosity + sqrt_of(viscosity * viscosity + fastest2)));
+        note_step(w, block, lane, first_step(w, block, lane, piece, K, shear, rho));
         add_initial_forces(w, block, lane, piece);
       });
     }
+  }
+
+  /// Stable step with the viscosity of the initial velocity gradient. What the first step will do is not yet seen: a
+  /// wall may stop the nodes in it. So no node may cross more than `most_crossed` of its element's length in it, and
+  /// the next steps grow from there.
+  [[gnu::always_inline]] V first_step(const Work& w, int block, int lane, const Motion& k, V bulk, V shear,
+                                      V rho) const {
+    V dilatation{};
+    for (int i = 0; i < 3; ++i) dilatation += dot8(k.v[i], k.b[i]);
+    const V closing = max_of(-dilatation / k.volume, V{});
+    const V c2 = (bulk + Real(4.0 / 3.0) * shear) / rho;
+    const V viscosity = linear_viscosity_ * sqrt_of(c2) + quadratic_viscosity_ * k.length * closing;
+    const V stable =
+        k.length / (viscosity + sqrt_of(viscosity * viscosity + c2 + breathing(k, bulk, shear, rho)) + tiny<Real>);
+    V fastest{};
+    for (int l = 0; l < lanes_of<Real>; ++l)
+      for (int n = 0; n < 8; ++n) {
+        const double* v = w.velocity + 4 * static_cast<std::int64_t>(nodes_of(w, block, lane)[lane_width * n + l]);
+        const double speed = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        if (speed > fastest[l]) fastest[l] = static_cast<Real>(speed);
+      }
+    return min_of(stable, Real(most_crossed) * k.length / (fastest + tiny<Real>));
   }
 
   void run(Work& w) const {
@@ -87,8 +107,16 @@ class Kernel {
     V wave, c;  // rho c^2 [Pa], c [m/s]
     V viscosity, q, viscous_work, p;  // linear and quadratic [m/s]; bulk viscosity pressure [Pa]; [J]; [Pa]
     V stable;  // step [s]
+    V elastic_share;  // of the deviator's change; for hourglass control by stiffness
   };
   static constexpr bool is_single = std::is_same_v<Real, float>;
+  /// What viscous hourglass control may take of an hourglass velocity in a step: all of it. Twice as much would be the
+  /// limit of stability.
+  static constexpr double most_effect = 1.0;
+  static constexpr double most_crossed = 0.3;
+  /// Square of frequency times step that hourglass control by stiffness may give to the modes of an element: half of
+  /// the limit of stability.
+  static constexpr double most_effect_of_growth = 2.0;
   /// Rows of a block, for laws and criteria.
   struct Rows {
     Strain step;
@@ -294,9 +322,28 @@ class Kernel {
       w.material->update(m);
   }
 
+  /// Change of the deviator over that of an elastic step, |s - R s R^T| / (2 G |dev strain|): one in elastic steps and
+  /// in fluids, little where the material flows.
+  [[gnu::always_inline]] static V elastic_share(int lane, const Piece& p, const Rows& rows) {
+    const auto& strain = rows.step.strain;
+    const V mean =
+        (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) * Real(1.0 / 3.0);
+    V change2{}, strain2{};
+    for (int i = 0; i < 6; ++i) {
+      const V e = load_lanes(strain[i] + lane) - (i < 3 ? mean : V{});
+      const V change = load_lanes(rows.deviator[i] + lane) - p.s[i];
+      strain2 += Real(i < 3 ? 1.0 : 2.0) * e * e;
+      change2 += Real(i < 3 ? 1.0 : 2.0) * change * change;
+    }
+    const V modulus = Real(2.0) * load_lanes(rows.modulus + lane);
+    const V elastic2 = modulus * modulus * strain2;
+    return change2 < elastic2 ? sqrt_of(change2 / (elastic2 + tiny<Real>)) : lanes(Real(1.0));
+  }
+
   /// Work of the mean of the old and the new deviator; energy with the old pressure, for the EOS.
-  [[gnu::always_inline]] static void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
-                                                    Rows& rows) {
+  [[gnu::always_inline]] void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
+                                             Rows& rows) const {
+    if (stiffness_) p.elastic_share = elastic_share(lane, p, rows);
     V work{};
     for (int i = 0; i < 6; ++i) {
       const V now = load_lanes(rows.deviator[i] + lane);
@@ -398,9 +445,9 @@ class Kernel {
 
     V resist[3][4];
     if (stiffness_)
-      resist_displacement(w, block, lane, p, step, rate, alive, resist, totals);
+      resist_displacement(w, block, lane, p, step, shape, rate, alive, resist, totals);
     else
-      resist_velocity(w, block, lane, p, rate, alive, resist, totals);
+      resist_velocity(w, block, lane, p, shape, rate, alive, resist, totals);
 
     const V scale = alive * static_cast<Real>(w.scale.per_quantum), total = p.p + p.q;
     const V(&s)[6] = p.s;
@@ -452,13 +499,59 @@ class Kernel {
     return mask_of(sound) == all_lanes;
   }
 
+  /// Upper bound of the largest eigenvalue of gamma_a . gamma_b, the products of the hourglass shape vectors; eight for
+  /// a parallelepiped. With s = x . Gamma / V, gamma = Gamma - B s and p = B Gamma, the products are
+  /// 8 I - s^T (p - B B^T s) - p^T s, and what is subtracted is bounded by its Frobenius norm.
+  [[gnu::noinline]] static V largest_shape(const Piece& p, const V (&shape)[3][4]) {
+    const Motion& k = p.k;
+    V base[3][4], s[3][4], r[3][4];  // of the gradient; shape per volume; gradient along the shape vectors
+    for (int i = 0; i < 3; ++i) project_hourglass(k.b[i], base[i]);
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a) s[i][a] = shape[i][a] * p.per_volume;
+    for (int i = 0; i < 3; ++i) {
+      V m[3];
+      for (int j = 0; j < 3; ++j) m[j] = dot8(k.b[i], k.b[j]);
+      for (int a = 0; a < 4; ++a) r[i][a] = base[i][a] - (m[0] * s[0][a] + m[1] * s[1][a] + m[2] * s[2][a]);
+    }
+    V norm2{};
+    for (int a = 0; a < 4; ++a)
+      for (int b = a; b < 4; ++b) {
+        V d{};
+        for (int i = 0; i < 3; ++i) d += s[i][a] * r[i][b] + base[i][a] * s[i][b];
+        norm2 += Real(a == b ? 1.0 : 2.0) * d * d;
+      }
+    return Real(8.0) + sqrt_of(norm2);
+  }
+
+  /// What is left of a resistance whose largest effect on the hourglass velocities of a cube in this step would be
+  /// `effect`, so that the effect is at most `most` in the present shape. In most elements a bound by the lengths of
+  /// the shape vectors says that nothing has to go: sqrt(8) (1 + x) at most, x = |s| V / (4 length), and
+  /// (1 + x)^2 <= 1.2 + 6 x^2.
+  [[gnu::always_inline]] static V bounded_share(const Piece& p, const V (&shape)[3][4], V effect, Real most) {
+    V size2{};
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a) size2 += shape[i][a] * shape[i][a];
+    const V length2 = p.k.length * p.k.length;
+    const auto may_exceed = effect * (Real(1.2) * length2 + Real(0.375) * size2) > most * length2;
+    V share = lanes(Real(1.0));
+    if (mask_of(may_exceed) != 0) [[unlikely]] {
+      const V exact = effect * largest_shape(p, shape) * Real(0.125);
+      share = may_exceed && exact > most ? most / exact : share;
+    }
+    return share;
+  }
+
   /// Viscous control: resistance = Q/4 rho c A g (Hallquist 1998, eq. 3.21, with A = sqrt(2/3 B:B), which is the
   /// face area of a cube). A force acts on the mean of the velocities before and after it, so half of its work is
-  /// booked now and half in the next step, which knows the velocity after it.
-  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p, const V (&rate)[3][4],
-                                              V alive, V (&resist)[3][4], Totals& totals) const {
+  /// booked now and half in the next step, which knows the velocity after it. At most it stops the hourglass motion of
+  /// an element within a step.
+  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p,
+                                              const V (&shape)[3][4], const V (&rate)[3][4], V alive, V (&resist)[3][4],
+                                              Totals& totals) const {
     const V area = sqrt_of(p.k.gradient_norm * Real(2.0 / 3.0));
-    const V coefficient = (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+    V coefficient = (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+    const V effect = Real(64.0) * static_cast<Real>(w.dt) * p.per_mass * coefficient;
+    coefficient *= bounded_share(p, shape, effect, Real(most_effect));
     V work{};
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 3; ++i) {
@@ -486,24 +579,28 @@ class Kernel {
 
   /// Stiffness control (Flanagan & Belytschko 1981, eqs. 63-67): resistance grows with k g dt and turns with the
   /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
-  /// highest frequency of the element.
+  /// highest frequency of the element. Where the material flows, it grows as little as the deviator does. The shape
+  /// vectors of the step's end see the rate in the directions of its start:
+  /// they take the rotation for a part of the linear motion. So the rate turns together with the old resistance.
   [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
-                                                  const Strain& step, const V (&rate)[3][4], V alive, V (&resist)[3][4],
-                                                  Totals& totals) const {
-    const V growth =
-        (hourglass_coefficient_ / Real(24.0)) * p.wave * p.k.gradient_norm * p.per_volume * static_cast<Real>(w.dt);
+                                                  const Strain& step, const V (&shape)[3][4], const V (&rate)[3][4],
+                                                  V alive, V (&resist)[3][4], Totals& totals) const {
+    const auto dt = static_cast<Real>(w.dt);
+    V growth = (hourglass_coefficient_ / Real(24.0)) * p.elastic_share * p.wave * p.k.gradient_norm * p.per_volume * dt;
+    growth *= bounded_share(p, shape, Real(64.0) * dt * p.per_mass * growth, Real(most_effect_of_growth));
     V work{};
     V r[9];
     for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);
     for (int a = 0; a < 4; ++a) {
-      V old[3];
-      for (int i = 0; i < 3; ++i)
-        old[i] = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+      V grown[3];
       for (int i = 0; i < 3; ++i) {
-        V turned = r[3 * i] * old[0] + r[3 * i + 1] * old[1] + r[3 * i + 2] * old[2];
-        if constexpr (is_single) turned += old[i];
-        resist[i][a] = turned + growth * rate[i][a];
-        work += (turned + resist[i][a]) * rate[i][a];
+        const V old = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+        grown[i] = old + growth * rate[i][a];
+        work += (old + grown[i]) * rate[i][a];
+      }
+      for (int i = 0; i < 3; ++i) {
+        resist[i][a] = r[3 * i] * grown[0] + r[3 * i + 1] * grown[1] + r[3 * i + 2] * grown[2];
+        if constexpr (is_single) resist[i][a] += grown[i];
         store_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane), resist[i][a]);
       }
     }
