@@ -20,6 +20,7 @@ namespace {
 constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
 constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
 constexpr std::int64_t renewals = 5;  // intervals from one search of everything to the next
+constexpr int rounds = 5;  // of impacts in a step
 constexpr double spare_share = 0.05;  // of the edge of a rank's box of space, that slaves may leave it by till then
 
 }  // namespace
@@ -474,13 +475,35 @@ void ContactEngine::split_masses(const ContactView& view, double quantum) {
   plan_->pull(owned_share_.data(), 1, share_.data(), 1, 1);
 }
 
-void ContactEngine::push(Model& model) {
-  const std::int64_t* totals = force_.data();
+/// The forces of all ranks on the nodes that this one owns: by local node, or by node of the view on one rank.
+const std::int64_t* ContactEngine::total_forces() {
+  if (!plan_) return force_.data();
+  for (const std::int32_t n : load_.nodes) std::fill_n(&owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
+  plan_->push_add(force_.data(), 4, owned_force_.data(), 4, 3);
+  return owned_force_.data();
+}
+
+/// Sets pushed_velocity_ to what the forces so far lead to. Collective.
+void ContactEngine::push_velocities(const Model& model) {
+  const std::int64_t* totals = total_forces();
   if (plan_) {
-    for (const std::int32_t n : load_.nodes) std::fill_n(&owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
-    plan_->push_add(force_.data(), 4, owned_force_.data(), 4, 3);
-    totals = owned_force_.data();
+    total_force_.resize(force_.size());
+    plan_->pull(owned_force_.data(), 4, total_force_.data(), 4, 3);
+    totals = total_force_.data();
   }
+  const double factor = model.quanta.force.quantum * prediction_->step().kick_dt();
+  for (std::size_t i = 0; i < mass_.size(); ++i) {
+    const std::int64_t* f = &totals[4 * i];
+    if ((f[0] | f[1] | f[2]) == 0) continue;
+    const auto held = static_cast<unsigned>(position_[4 * i + 3]);
+    const double a = factor / mass_[i];
+    for (int d = 0; d < 3; ++d)
+      if ((held >> d & 1u) == 0) pushed_velocity_[4 * i + d] = velocity_[4 * i + d] + static_cast<double>(f[d]) * a;
+  }
+}
+
+void ContactEngine::push(Model& model) {
+  const std::int64_t* totals = total_forces();
   for (std::size_t k = 0; k < load_.nodes.size(); ++k) {
     const auto n = static_cast<std::size_t>(load_.nodes[k]);
     const std::size_t from = plan_ ? 4 * n : 4 * k;
@@ -532,7 +555,12 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   split_masses(seen, model.quanta.mass);
   std::fill(force_.begin(), force_.end(), 0);
   ContactForces forces(force_.data(), model.quanta.force);
-  add_impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass}, forces);
+  Impacts impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass});
+  pushed_velocity_ = velocity_;
+  for (int round = 0; round < rounds; ++round) {
+    if (round > 0) push_velocities(model);
+    impacts.add_round(pushed_velocity_.data(), round + 1 == rounds, forces);
+  }
   if (forces.overflow_node() >= 0)
     trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
                            found_->node_id[forces.overflow_node()],

@@ -109,6 +109,8 @@ class ContactEngine {
   double dt_ahead() const;
   void pull(const Model& model);
   void split_masses(const ContactView& view, double quantum);
+  const std::int64_t* total_forces();
+  void push_velocities(const Model& model);
   void push(Model& model);
   ContactView view() const;
 
@@ -140,9 +142,10 @@ class ContactEngine {
   std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank
   const Prediction* prediction_ = nullptr;  // of the step that is being made; null for the model as it stands
   AlignedVector<double> position_, velocity_;  // of the nodes of the view, predicted
+  AlignedVector<double> pushed_velocity_;  // of the nodes of the view, with the contact forces so far
   AlignedVector<double> owned_position_, owned_velocity_;  // of this rank's nodes that other ranks need, predicted
   std::vector<double> mass_;
-  std::vector<std::int64_t> force_, owned_force_, share_, owned_share_;
+  std::vector<std::int64_t> force_, owned_force_, total_force_, share_, owned_share_;
   ContactTouches touches_;
   ContactSpeeds speeds_;
   double least_reach_ = 0.0;  // of all facets that the model can have [m]

@@ -38,21 +38,25 @@ double effective_mass(const ContactView& view, const ContactTouch& t, const Mass
 }
 
 /// Velocity of the node relative to the point that it touches [m/s].
-Vec3 relative_velocity(const ContactView& view, const ContactTouch& t) {
+Vec3 relative_velocity(const ContactView& view, const ContactTouch& t, const double* velocity) {
+  const auto v = [velocity](std::int32_t node) {
+    const double* row = velocity + 4 * static_cast<std::int64_t>(node);
+    return Vec3{row[0], row[1], row[2]};
+  };
   const std::int32_t* n = corners_of(view, t);
-  Vec3 v = view.v(t.node);
-  for (int k = 0; k < 4; ++k) v = v - view.v(n[k]) * t.weights[k];
-  return v;
+  Vec3 sum = v(t.node);
+  for (int k = 0; k < 4; ++k) sum = sum - v(n[k]) * t.weights[k];
+  return sum;
 }
 
-/// The change of the closing speed that an impact makes [m/s]. It takes away what would lead below the surface, and
-/// takes back some of a depth that is there already, with a rebound of at most `restitution`: since a pair never parts
-/// faster than it closed, the impact makes no energy.
-double change_of_speed(const ContactTouch& t, const ContactResponse& r, double closing, double mass, double dt) {
+/// The closing speed that an impact leaves [m/s]: what leads just to the surface. Of a depth that is there already some
+/// is taken back, with a rebound of at most `restitution`: since a pair never parts faster than it closed, the impact
+/// makes no energy.
+double wanted_speed(const ContactTouch& t, const ContactResponse& r, double closing, double mass, double dt) {
   const double before = t.depth - closing * dt;  // depth at the start of the step, if positive
-  if (!(before > 0.0)) return t.depth / dt;
+  if (!(before > 0.0)) return -before / dt;
   const double rate = min_of(t.stiffness * dt / mass, r.stability / dt);
-  return closing + min_of(rate * before, r.restitution * closing);
+  return -min_of(rate * before, r.restitution * max_of(closing, 0.0));
 }
 
 }  // namespace
@@ -82,23 +86,44 @@ void add_shares(const ContactView& view, const ContactTouches& touches, const Ma
   }
 }
 
-void add_impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
-                 const MassSplit& split, ContactForces& forces) {
+Impacts::Impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
+                 const MassSplit& split)
+    : view_(view), response_(response), split_(split) {
+  impacts_.reserve(touches.touches().size());
   for (const ContactTouch& t : touches.touches()) {
-    const Vec3 v = relative_velocity(view, t);
-    const double closing = -dot(v, t.direction);
-    if (!(closing > 0.0)) continue;
+    const double closing = -dot(relative_velocity(view, t, view.velocity), t.direction);
     const double mass = effective_mass(view, t, split, t.direction);
-    if (!std::isfinite(mass)) continue;
-    const double push = mass * change_of_speed(t, response, closing, mass, view.dt);
-    Vec3 impulse = t.direction * push;
-    const Vec3 sliding = v + t.direction * closing;
-    const double speed = norm(sliding);
-    if (response.friction > 0.0 && speed > 0.0) {
-      const Vec3 way = sliding * (1.0 / speed);
-      impulse = impulse - way * min_of(response.friction * push, effective_mass(view, t, split, way) * speed);
+    if (!std::isfinite(mass)) continue;  // nothing moves
+    impacts_.push_back({.touch = &t, .mass = mass, .wanted = wanted_speed(t, response, closing, mass, view.dt)});
+  }
+}
+
+/// Coulomb friction of a touch: what would stop the sliding, as far as the push allows [N s].
+Vec3 Impacts::friction(const Impact& impact, const ContactTouch& touch, Vec3 sliding) const {
+  const double speed = norm(sliding);
+  Vec3 grip = impact.grip;
+  if (speed > 0.0) grip = grip - sliding * effective_mass(view_, touch, split_, sliding * (1.0 / speed));
+  const double most = response_.friction * impact.push, size = norm(grip);
+  return size > most ? grip * (most / size) : grip;
+}
+
+void Impacts::add_round(const double* velocity, bool last, ContactForces& forces) {
+  const double next_weight = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * weight_ * weight_));
+  const double momentum = last ? 0.0 : (weight_ - 1.0) / next_weight;
+  weight_ = next_weight;
+  for (Impact& i : impacts_) {
+    const ContactTouch& t = *i.touch;
+    const Vec3 v = relative_velocity(view_, t, velocity);
+    const double closing = -dot(v, t.direction), before = i.push, tried = i.tried;
+    i.push = max_of(i.tried + i.mass * (closing - i.wanted), 0.0);
+    i.tried = i.push + momentum * (i.push - before);
+    Vec3 impulse = t.direction * (i.tried - tried);
+    if (response_.friction > 0.0) {
+      const Vec3 grip = friction(i, t, v + t.direction * closing);
+      impulse = impulse + (grip - i.grip);
+      i.grip = grip;
     }
-    forces.add(t.node, corners_of(view, t), t.weights, impulse * (1.0 / view.kick_dt));
+    forces.add(t.node, corners_of(view_, t), t.weights, impulse * (1.0 / view_.kick_dt));
   }
 }
 
