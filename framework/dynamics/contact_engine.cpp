@@ -219,7 +219,8 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   // does not send many facets to ranks that do not need them.
   const double reach = reach_of(model, slaves);
   const double way = 2.0 * static_cast<double>(renewals - 1) * reach;
-  slave_reach_ = 1.5 * reach + std::min(way, spare_share * extent_of(model, slaves) / std::cbrt(model.n_ranks()));
+  slave_reach_ =
+      1.5 * reach + std::min(way, spare_share * extent_of(model, slaves) / kerf::pow(model.n_ranks(), 1.0 / 3.0));
   send(model, slaves, facets);
 }
 

@@ -309,7 +309,7 @@ struct ErodingSurface final : Contact {
 
   static double angle_at(Vec3 corner, Vec3 a, Vec3 b) {
     const Vec3 u = a - corner, v = b - corner;
-    return std::acos(clamp_to(dot(u, v) / (norm(u) * norm(v)), -1.0, 1.0));
+    return kerf::acos(clamp_to(dot(u, v) / (norm(u) * norm(v)), -1.0, 1.0));
   }
 
   /// Unit normal of the surface around a slave, zero for a free node, which has no surface.
