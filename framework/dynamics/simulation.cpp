@@ -12,6 +12,7 @@
 #include "core/diagnostics.hpp"
 #include "core/fixed_sum.hpp"
 #include "core/physics_error.hpp"
+#include "dynamics/initial_overlap.hpp"
 #include "dynamics/setup.hpp"
 #include "parallel/communicator.hpp"
 
@@ -74,10 +75,7 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
   ledger_.open(model_);
   renumbered();
 
-  std::vector<std::string> errors = integrator_.complaints(model_);
-  for (auto& c : contacts_)
-    for (std::string& line : c->initial_penetrations(model_)) errors.push_back(std::move(line));
-  if (!errors.empty()) throw InputError(errors);
+  refuse_bad_start();
 
   const ElementReport report = initialise_elements(model_);
   sum_over_copies(model_, model_.nodes.force.data(), 4);
@@ -104,6 +102,30 @@ void Simulation::start_contact(const ElementReport& report) {
     reduce(none, report);
   } while (reduction_.least_step < tried.least_step);
   reduction_ = tried;
+}
+
+/// Throws where nodes cannot start as they stand, or bodies that may touch overlap.
+void Simulation::refuse_bad_start() {
+  std::vector<std::string> errors = integrator_.complaints(model_);
+  const ContactCover cover(model_);
+  std::vector<bool> reported(contacts_.size(), false);
+  for (const Overlap& o : find_overlaps(model_)) {
+    const int contact = cover.between(o.first, o.second);
+    if (contact < 0) {
+      warnings_.push_back(fmt::format(
+          "{}: warning: {}, and no contact keeps them apart; move the parts apart, or join them in one mesh",
+          model_.parts[static_cast<std::size_t>(o.second)].input->mesh->origin, o.sentence(model_)));
+      continue;
+    }
+    errors.push_back(fmt::format("{}: error: {}; move the parts apart",
+                                 input_.contacts[static_cast<std::size_t>(contact)]->origin, o.sentence(model_)));
+    reported[static_cast<std::size_t>(contact)] = true;
+  }
+  // What is not deep enough to be seen in a warped cell's volume is seen at its surface.
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (!reported[k])
+      for (std::string& line : contacts_[k]->initial_penetrations(model_)) errors.push_back(std::move(line));
+  if (!errors.empty()) throw InputError(errors);
 }
 
 void Simulation::renumbered() {

@@ -70,6 +70,8 @@ class Simulation {
   /// The step that will follow.
   Step next_step() const { return clock_.plan(reduction_.least_step); }
   double first_stable_step() const { return first_stable_; }
+  /// What a user should look at before the run, as lines "origin: warning: what; what to do"; the same on all ranks.
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
   // For restart
   struct Progress {
@@ -85,6 +87,7 @@ class Simulation {
   void resume(const Progress& progress);
 
  private:
+  void refuse_bad_start();
   void renumbered();
   void rebalance(const Step& step);
   void add_forces(const Step& step);
@@ -111,6 +114,7 @@ class Simulation {
   Timers timers_;
   StepReduction reduction_;
   std::vector<ErosionRecord> eroded_now_;
+  std::vector<std::string> warnings_;
   ContactLoad load_;
   std::int64_t element_cycles_ = 0;
   double first_stable_ = 0.0;

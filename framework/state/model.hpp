@@ -46,6 +46,7 @@ struct Model {
   std::int64_t n_elements = 0, n_nodes = 0;
   Quanta quanta;
   double dummy_edge = 1.0;  // [m]
+  MeshScale scale;
 
   NodeStore nodes;
   std::vector<std::int32_t> live_elements;  // per local node: live elements of this rank that touch it
