@@ -90,7 +90,15 @@ void File::write_at(std::uint64_t place, std::span<const std::byte> bytes) {
   }
 }
 
+/// A file without a name takes all that is written and is gone at the end of the run.
+void File::require_name() const {
+  struct stat state {};
+  if (::fstat(id_, &state) != 0) fail("look at");
+  if (state.st_nlink == 0) throw std::runtime_error("cannot write \"" + path_ + "\": somebody has removed it");
+}
+
 void File::append(const std::string& text) {
+  require_name();
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t n = unbroken([&] { return ::write(id_, text.data() + done, text.size() - done); });
     if (n == 0) errno = ENOSPC;
@@ -120,6 +128,7 @@ void File::cut(std::uint64_t size) {
 }
 
 void File::sync() {
+  require_name();
   if (unbroken([&] { return ::fdatasync(id_); }) != 0 && errno != EINVAL && errno != ENOTSUP) fail("write");
 }
 

@@ -37,12 +37,13 @@ class File {
   void read_at(std::uint64_t place, std::span<std::byte> bytes) const;
   std::uint64_t size() const;
   void cut(std::uint64_t size);
-  /// Waits until the contents are on the disk.
+  /// Waits until the contents are on the disk. A file that somebody has removed is a failure, here and in append().
   void sync();
   void close();
 
  private:
   [[noreturn]] void fail(const char* what) const;
+  void require_name() const;
   std::string path_;
   int id_ = -1;
 };
