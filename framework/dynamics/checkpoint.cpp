@@ -115,7 +115,7 @@ std::vector<NodeRecord> deliver(const Model& model, const std::vector<NodeRecord
   return result;
 }
 
-ModelBundle read_bundle(const RestartReader& file, const Model& model, Simulation::Progress& progress) {
+ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Progress& progress) {
   ModelBundle bundle;
   bundle.parts.resize(model.parts.size());
   std::vector<std::int64_t> wanted;
@@ -161,16 +161,6 @@ ModelBundle read_bundle(const RestartReader& file, const Model& model, Simulatio
   return bundle;
 }
 
-// Opening is collective: it fails on all ranks or on none.
-RestartReader open_restart(MPI_Comm comm, const std::string& path) {
-  try {
-    return RestartReader(comm, path);
-  } catch (const std::exception& e) {
-    throw InputError(
-        {fmt::format("{}: error: this is no restart file of Kerf's ({}); run without --resume", path, e.what())});
-  }
-}
-
 }  // namespace
 
 void write_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation,
@@ -193,7 +183,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
 
 OutputProgress read_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation) {
   Model& model = simulation.model();
-  const RestartReader file = open_restart(model.comm, path);
+  RestartReader file(model.comm, path);
   if (file.text("input_digest") != input_digest)
     throw InputError({fmt::format(
         "{}: error: this restart file belongs to another model; resume with the input that "
