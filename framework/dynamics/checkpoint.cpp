@@ -115,7 +115,7 @@ std::vector<NodeRecord> deliver(const Model& model, const std::vector<NodeRecord
   return result;
 }
 
-ModelBundle read_bundle(const RestartReader& file, const Model& model, Simulation::Progress& progress) {
+ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Progress& progress) {
   ModelBundle bundle;
   bundle.parts.resize(model.parts.size());
   std::vector<std::int64_t> wanted;
@@ -161,16 +161,6 @@ ModelBundle read_bundle(const RestartReader& file, const Model& model, Simulatio
   return bundle;
 }
 
-// Opening is collective: it fails on all ranks or on none.
-RestartReader open_restart(MPI_Comm comm, const std::string& path) {
-  try {
-    return RestartReader(comm, path);
-  } catch (const std::exception& e) {
-    throw InputError(
-        {fmt::format("{}: error: this is no restart file of Kerf's ({}); run without --resume", path, e.what())});
-  }
-}
-
 }  // namespace
 
 void write_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation,
@@ -180,7 +170,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   p.element_cycles = sum_of(model.comm, p.element_cycles);
   RestartWriter file(model.comm, path);
   file.write_attribute("input_digest", input_digest);
-  file.write_attribute("clock", std::vector<double>{p.time, p.last_dt, p.reduction.least_step, p.first_stable});
+  file.write_attribute("clock", std::vector<double>{p.time, p.last_dt, p.reduction.least_step, p.first_stable, p.contact_step});
   file.write_attribute("counters", std::vector<std::int64_t>{p.cycle, p.last_rebalance, p.element_cycles,
                                                              p.reduction.least_id, output.n_frames});
   file.write_attribute("due", std::vector<double>{output.next_results, output.next_history, output.next_restart});
@@ -193,7 +183,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
 
 OutputProgress read_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation) {
   Model& model = simulation.model();
-  const RestartReader file = open_restart(model.comm, path);
+  RestartReader file(model.comm, path);
   if (file.text("input_digest") != input_digest)
     throw InputError({fmt::format(
         "{}: error: this restart file belongs to another model; resume with the input that "
@@ -208,6 +198,7 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   p.last_dt = clock.at(1);
   p.reduction.least_step = clock.at(2);
   p.first_stable = clock.at(3);
+  p.contact_step = clock.at(4);
   p.cycle = counters.at(0);
   p.last_rebalance = counters.at(1);
   p.element_cycles = counters.at(2);

@@ -66,6 +66,7 @@ void Integrator::resolve(const Model& model) {
   std::vector<NodeGroup> groups;
   for (const auto& b : boundaries) groups.emplace_back(model, b->nodes());
   near_.assign(boundaries.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
+  always_ = near_;
   for (int i = 0; i < model.nodes.n(); ++i) {
     std::uint64_t always = 0;
     for (std::size_t b = 0; b < boundaries.size(); ++b) {
@@ -75,7 +76,9 @@ void Integrator::resolve(const Model& model) {
       if (ask == Boundary::Ask::always) always |= std::uint64_t{1} << b;
       if (ask == Boundary::Ask::near_region) near_[i] |= std::uint64_t{1} << b;
     }
-    if (always != 0) constrained_.push_back({i, always});
+    if (always == 0) continue;
+    constrained_.push_back({i, always});
+    always_[i] = always;
   }
 }
 
@@ -83,6 +86,32 @@ std::vector<HalfSpace> Integrator::regions(const Model& model, const Step& step)
   std::vector<HalfSpace> all;
   for (const auto& b : model.input->boundaries) all.push_back(b->region(step.end()));
   return all;
+}
+
+Prediction::Prediction(const Integrator& integrator, const Model& model, const Step& next)
+    : integrator_(integrator), model_(model), next_(next), planes_(Integrator::regions(model, next)) {}
+
+Vec3 Prediction::velocity(int i) const {
+  const Vec3 v = kicked(model_.nodes, i, model_.quanta.force.quantum, next_.kick_dt());
+  if (integrator_.always_.empty() || (integrator_.always_[i] | integrator_.near_[i]) == 0) return v;
+  return integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), v);
+}
+
+unsigned Prediction::held_axes(int i) const {
+  if (integrator_.always_.empty() || (integrator_.always_[i] | integrator_.near_[i]) == 0) return 0;
+  const Vec3 v = kicked(model_.nodes, i, model_.quanta.force.quantum, next_.kick_dt());
+  const auto constrained = [&](Vec3 velocity) {
+    return integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), velocity);
+  };
+  const Vec3 unpushed = constrained(v);
+  const double push = 1e-3 * norm(v) + 1e-3;  // far above round-off [m/s]
+  unsigned held = 0;
+  for (int d = 0; d < 3; ++d) {
+    Vec3 pushed = v;
+    pushed[d] += push;
+    if (norm(constrained(pushed) - unpushed) < 1e-6 * push) held |= 1u << d;
+  }
+  return held;
 }
 
 void Integrator::initialise(Model& model) const {

@@ -42,6 +42,7 @@ void Ledger::open(Model& model) {
   model.quanta.per_energy = 1.0 / model.quanta.energy;
   momentum_quantum = power_of_two_above(std::sqrt(2.0 * initial_mass * scale)) * 0x1p-51;
   mass_quantum = power_of_two_above(initial_mass) * 0x1p-51;
+  model.quanta.mass = mass_quantum;
 }
 
 void Ledger::close(const Model& model, Balance& b) const {

@@ -88,6 +88,7 @@ constexpr double dummy_size = 16.0;
 /// What a rank learns of its share of the mesh while it makes it.
 struct MeshFacts {
   double longest_edge = 0.0;  // [m]
+  MeshScale scale;
   std::vector<std::array<double, 2>> sizes;  // per part: least and greatest longest edge of its elements [m]
   std::vector<std::int64_t> n_unusable;  // per part: elements that cannot be computed
 };
@@ -124,6 +125,7 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
       r.sets = sets.mark(mesh, corners[k], x[k]);
       for (int d = 0; d < 3; ++d) {
         r.position[d] = x[k][d];
+        facts.scale.farthest = std::max(facts.scale.farthest, std::fabs(x[k][d]));
         r.velocity[d] = part.input->velocity[d];
       }
       bundle.nodes.push_back(r);
@@ -132,6 +134,7 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
     if (!(volume > 0.0) || !(min_scaled_jacobian(x) > 0.0)) ++facts.n_unusable[p];
     const double edge = longest_edge(x);
     facts.longest_edge = std::max(facts.longest_edge, edge);
+    facts.scale.shortest_edge = std::min(facts.scale.shortest_edge, shortest_edge(x));
     facts.sizes[p] = {std::min(facts.sizes[p][0], edge), std::max(facts.sizes[p][1], edge)};
     out.ids.push_back(part.first_element + e);
     out.nodes.push_back(ids);
@@ -295,6 +298,7 @@ void generate_mesh(Model& model) {
   bundle.parts.resize(model.parts.size());
   MeshFacts facts;
   facts.n_unusable.assign(model.parts.size(), 0);
+  facts.scale.shortest_edge = std::numeric_limits<double>::max();
   facts.sizes.assign(model.parts.size(), {std::numeric_limits<double>::max(), 0.0});
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartModel& part = model.parts[p];
@@ -305,6 +309,8 @@ void generate_mesh(Model& model) {
   refuse_unusable(model, facts);
   refuse_beyond_floats(model, facts);
   model.dummy_edge = dummy_size * greatest(model.comm, facts.longest_edge);
+  model.scale = {least(model.comm, facts.scale.shortest_edge), greatest(model.comm, facts.scale.farthest)};
+  for (const auto& boundary : model.input->boundaries) boundary->prepare(model.scale);
   assemble(model, std::move(bundle));
   lump_masses(model);
   set_force_quantum(model);

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <limits>
+#include <tuple>
 
 #include "core/diagnostics.hpp"
 #include "core/fixed_sum.hpp"
 #include "core/physics_error.hpp"
+#include "dynamics/initial_overlap.hpp"
 #include "dynamics/setup.hpp"
 #include "parallel/communicator.hpp"
 
@@ -18,6 +21,8 @@ namespace kerf {
 namespace {
 
 enum Flag : std::int64_t { flag_trouble = 1, flag_failed = 2, flag_signal = 4 };
+
+constexpr double unseen = 0.6;  // of its least reach, that contact lets anything travel in a step
 
 volatile std::sig_atomic_t signal_seen = 0;
 extern "C" void note_signal(int number) { signal_seen = number; }
@@ -30,8 +35,9 @@ void combine(void* in, void* inout, int* n, MPI_Datatype*) {
     const std::int64_t flags = a[i].flags | b[i].flags;
     if (a[i].least_step < b[i].least_step || (a[i].least_step == b[i].least_step && a[i].least_id >= 0 &&
                                               (b[i].least_id < 0 || a[i].least_id < b[i].least_id)))
-      b[i] = a[i];
+      std::tie(b[i].least_step, b[i].least_id) = std::tie(a[i].least_step, a[i].least_id);
     b[i].flags = flags;
+    b[i].speeds.join(a[i].speeds);
   }
 }
 
@@ -69,21 +75,57 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
   ledger_.open(model_);
   renumbered();
 
-  std::vector<std::string> errors = integrator_.complaints(model_);
-  for (auto& c : contacts_)
-    for (std::string& line : c->initial_penetrations(model_)) errors.push_back(std::move(line));
-  if (!errors.empty()) throw InputError(errors);
+  refuse_bad_start();
 
   const ElementReport report = initialise_elements(model_);
   sum_over_copies(model_, model_.nodes.force.data(), 4);
   Step none;
   reduce(none, report);
   first_stable_ = reduction_.least_step;
+  if (!contacts_.empty()) start_contact(report);
   for (PartModel& part : model_.parts) {
     std::vector<double> mass;
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
     part.initial_mass = order_free_sum(comm, mass);
   }
+}
+
+/// Bodies that touch or are about to ask for a short first step, which shows only when it has been tried.
+void Simulation::start_contact(const ElementReport& report) {
+  const std::vector<std::int64_t> forces(model_.nodes.force.begin(), model_.nodes.force.end());
+  const Step none;
+  StepReduction tried;
+  do {
+    tried = reduction_;
+    std::copy(forces.begin(), forces.end(), model_.nodes.force.begin());
+    add_contact_forces(none);
+    reduce(none, report);
+  } while (reduction_.least_step < tried.least_step);
+  reduction_ = tried;
+}
+
+/// Throws where nodes cannot start as they stand, or bodies that may touch overlap.
+void Simulation::refuse_bad_start() {
+  std::vector<std::string> errors = integrator_.complaints(model_);
+  const ContactCover cover(model_);
+  std::vector<bool> reported(contacts_.size(), false);
+  for (const Overlap& o : find_overlaps(model_)) {
+    const int contact = cover.between(o.first, o.second);
+    if (contact < 0) {
+      warnings_.push_back(fmt::format(
+          "{}: warning: {}, and no contact keeps them apart; move the parts apart, or join them in one mesh",
+          model_.parts[static_cast<std::size_t>(o.second)].input->mesh->origin, o.sentence(model_)));
+      continue;
+    }
+    errors.push_back(fmt::format("{}: error: {}; move the parts apart",
+                                 input_.contacts[static_cast<std::size_t>(contact)]->origin, o.sentence(model_)));
+    reported[static_cast<std::size_t>(contact)] = true;
+  }
+  // What is not deep enough to be seen in a warped cell's volume is seen at its surface.
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (!reported[k])
+      for (std::string& line : contacts_[k]->initial_penetrations(model_)) errors.push_back(std::move(line));
+  if (!errors.empty()) throw InputError(errors);
 }
 
 void Simulation::renumbered() {
@@ -146,24 +188,42 @@ void Simulation::add_forces(const Step& step) {
     report = add_internal_forces(model_, step, *erosion_, ledger_);
     element_cycles_ += model_.n_live_local();
   }
-  for (auto& c : contacts_) {
-    c->add_forces(model_, step, timers_);
-    if (report.trouble.empty()) report.trouble = c->trouble();
+  {
+    const auto scope = timers_.measure("halo");
+    sum_over_copies(model_, model_.nodes.force.data(), 4);
+    reduce(step, report);
   }
-  load_ = load();
-  const auto scope = timers_.measure("halo");
-  sum_over_copies(model_, model_.nodes.force.data(), 4);
-  reduce(step, report);
+  add_contact_forces(step);
 }
 
-void Simulation::reduce(const Step& step, const ElementReport& report) {
+/// Contact needs to know what all other forces will do in the coming step.
+void Simulation::add_contact_forces(const Step& step) {
+  if (contacts_.empty()) return;
+  const Prediction prediction(integrator_, model_, next_step());
+  for (auto& c : contacts_) c->add_forces(model_, step, prediction, timers_);
+  load_ = load();
+  const auto scope = timers_.measure("halo");
+  copy_to_ghosts(model_, model_.nodes.force.data(), 4);
+}
+
+void Simulation::reduce(const Step& step, ElementReport report) {
   StepReduction mine;
   mine.least_step = report.least_step;
   mine.least_id = report.least_id;
+  mine.speeds = contact_speeds();
+  for (const auto& c : contacts_)
+    if (report.trouble.empty()) report.trouble = c->trouble();
   if (!report.trouble.empty()) mine.flags |= flag_trouble;
   if (report.failed) mine.flags |= flag_failed;
   if (signal_seen != 0) mine.flags |= flag_signal;
   reduction_ = all_reduce(model_.comm, mine);
+  double allowed = contact_step(reduction_.speeds);
+  if (resumed_contact_step_ > 0.0) allowed = resumed_contact_step_;
+  resumed_contact_step_ = 0.0;
+  if (allowed < input_.time.safety_factor * reduction_.least_step) {
+    reduction_.least_step = allowed / input_.time.safety_factor;
+    reduction_.least_id = -1;
+  }
   if ((reduction_.flags & flag_trouble) != 0) stop(report.trouble, report.trouble_id, step);
   signalled_ = (reduction_.flags & flag_signal) != 0;
   const double first = first_stable_ > 0.0 ? first_stable_ : reduction_.least_step;
@@ -217,8 +277,26 @@ bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) !=
 
 Balance Simulation::sample() { return integrator_.sample(model_, next_step(), load_, ledger_); }
 
+ContactSpeeds Simulation::contact_speeds() const {
+  ContactSpeeds all;
+  for (const auto& c : contacts_) all.join(c->speeds());
+  return all;
+}
+
+/// The longest step in which contact misses nothing [s]: no pair closes too far, and no node comes from where no facet
+/// sees it to behind one.
+double Simulation::contact_step(const ContactSpeeds& speeds) const {
+  double least_reach = std::numeric_limits<double>::max();
+  for (const auto& c : contacts_) least_reach = std::min(least_reach, c->least_reach());
+  const double speed = speeds.fastest_pair();
+  return std::min(speeds.longest_step, speed > 0.0 ? unseen * least_reach / speed : speeds.longest_step);
+}
+
 Simulation::Progress Simulation::progress() const {
   Progress p;
+  StepReduction now;
+  now.speeds = contact_speeds();
+  p.contact_step = contact_step(all_reduce(model_.comm, now).speeds);
   p.time = clock_.time();
   p.last_dt = clock_.last_dt();
   p.cycle = clock_.cycle();
@@ -235,6 +313,7 @@ void Simulation::resume(const Progress& p) {
   reduction_ = p.reduction;
   reduction_.flags = 0;
   first_stable_ = p.first_stable;
+  resumed_contact_step_ = p.contact_step;
   balancer_.distribute(model_);
   balancer_.restore(p.last_rebalance);
   renumbered();

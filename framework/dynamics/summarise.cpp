@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <iterator>
 #include <limits>
 
 #include "core/assert.hpp"
@@ -194,11 +194,13 @@ void Reporter::add_timers(Summary& summary) {
   }
 }
 
-void Reporter::print_table(const Summary& s) const {
-  fmt::print("\n{}: {} cycles to {:.6g} s, {} rank{}, {:.2f} s ({:.3f} million element cycles per second)\n", s.exit,
-             s.cycles, s.end_time, s.ranks, s.ranks == 1 ? "" : "s", s.wall_seconds,
-             s.element_cycles_per_second * 1e-6);
-  fmt::print("state hash {}\n\nenergy [J]\n", s.state_hash);
+std::string Reporter::table_of(const Summary& s) const {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "\n{}: {} cycles to {:.6g} s, {} rank{}, {:.2f} s ({:.3f} million element cycles per second)\n",
+                 s.exit, s.cycles, s.end_time, s.ranks, s.ranks == 1 ? "" : "s", s.wall_seconds,
+                 s.element_cycles_per_second * 1e-6);
+  fmt::format_to(out, "state hash {}\n\nenergy [J]\n", s.state_hash);
   const std::pair<const char*, double> rows[] = {{"initial", s.energy.initial},
                                                  {"kinetic", s.energy.kinetic},
                                                  {"internal", s.energy.internal},
@@ -207,23 +209,23 @@ void Reporter::print_table(const Summary& s) const {
                                                  {"contact", s.energy.contact},
                                                  {"external work", s.energy.external},
                                                  {"eroded", s.energy.eroded}};
-  for (const auto& [name, value] : rows) fmt::print("  {:<16}{:>16.6g}\n", name, value);
-  fmt::print("  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
-  fmt::print("\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
+  for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
+  fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
+  fmt::format_to(out, "\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
   for (const auto& [name, p] : s.parts)
-    fmt::print("{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,
-               norm({p.velocity[0], p.velocity[1], p.velocity[2]}));
+    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,
+                   norm({p.velocity[0], p.velocity[1], p.velocity[2]}));
   if (s.eroded.elements > 0) {
-    fmt::print("\neroded by");
-    for (const auto& [name, n] : s.eroded.by_criterion) fmt::print("  {} {}", name, n);
-    fmt::print("\n");
+    fmt::format_to(out, "\neroded by");
+    for (const auto& [name, n] : s.eroded.by_criterion) fmt::format_to(out, "  {} {}", name, n);
+    fmt::format_to(out, "\n");
   }
-  if (!s.measures.empty()) fmt::print("\nmeasures\n");
-  for (const auto& [name, value] : s.measures) fmt::print("  {:<32}{:>14.6g}\n", name, value);
-  fmt::print("\ntime [s]\n");
-  for (const auto& [name, t] : s.timers) fmt::print("  {:<16}{:>10.3f}\n", name, t.mean);
-  fmt::print("output in {}\n", settings_.folder);
-  std::fflush(stdout);
+  if (!s.measures.empty()) fmt::format_to(out, "\nmeasures\n");
+  for (const auto& [name, value] : s.measures) fmt::format_to(out, "  {:<32}{:>14.6g}\n", name, value);
+  fmt::format_to(out, "\ntime [s]\n");
+  for (const auto& [name, t] : s.timers) fmt::format_to(out, "  {:<16}{:>10.3f}\n", name, t.mean);
+  fmt::format_to(out, "output in {}\n", settings_.folder);
+  return fmt::to_string(text);
 }
 
 }  // namespace kerf

@@ -1,10 +1,9 @@
 // The JSON behind summary.hpp.
 #include "output/summary.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
+
+#include "output/file.hpp"
 
 namespace kerf {
 
@@ -87,13 +86,6 @@ std::string summary_text(const Summary& s) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void write_summary(const std::string& path, const Summary& summary) {
-  const std::string unfinished = path + ".part";
-  std::ofstream out(unfinished, std::ios::trunc);
-  out << summary_text(summary);
-  out.close();
-  if (!out) throw std::runtime_error("cannot write \"" + unfinished + "\"");
-  std::filesystem::rename(unfinished, path);
-}
+void write_summary(const std::string& path, const Summary& summary) { replace_file(path, summary_text(summary)); }
 
 }  // namespace kerf

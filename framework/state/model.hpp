@@ -35,6 +35,7 @@ struct PartModel {
 struct Quanta {
   ForceScale force;
   double energy = 1.0, per_energy = 1.0;  // [J], [1/J]; powers of two
+  double mass = 1.0;  // [kg]; a power of two
 };
 
 struct Model {
@@ -45,6 +46,7 @@ struct Model {
   std::int64_t n_elements = 0, n_nodes = 0;
   Quanta quanta;
   double dummy_edge = 1.0;  // [m]
+  MeshScale scale;
 
   NodeStore nodes;
   std::vector<std::int32_t> live_elements;  // per local node: live elements of this rank that touch it
