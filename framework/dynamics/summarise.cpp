@@ -92,6 +92,40 @@ MeasureModel gather_model(const Model& model) {
   return m;
 }
 
+/// Energy that live elements hold elastically and would give back: |s|^2 / (4 G) + p^2 / (2 K) times the volume with
+/// the undeformed moduli, and no more than the element's internal energy without the bulk viscosity's share.
+/// Collective.
+double elastic_energy(const Model& model) {
+  std::vector<double> elastic;
+  for (const PartModel& part : model.parts) {
+    const PartStore& store = *part.store;
+    for (int s = 0; s < store.n_slots(); ++s) {
+      if (!store.live(s)) continue;
+      const auto field = [&](PartStore::FieldIndex f, int c = 0) { return store.field(f).at(s, c); };
+      double square = 0.0;
+      for (int c = 0; c < 6; ++c)
+        square += (c < 3 ? 1.0 : 2.0) * field(PartStore::deviator, c) * field(PartStore::deviator, c);
+      const double p = field(PartStore::pressure);
+      const double density = (part.shear_modulus > 0.0 ? square / (4.0 * part.shear_modulus) : 0.0) +
+                             (part.bulk_modulus > 0.0 ? p * p / (2.0 * part.bulk_modulus) : 0.0);
+      const double held = field(PartStore::internal_energy) - field(PartStore::viscous_energy);
+      elastic.push_back(std::clamp(density * field(PartStore::volume), 0.0, std::max(held, 0.0)));
+    }
+  }
+  return order_free_sum(model.comm, elastic);
+}
+
+/// A sentence where hourglass control has taken more than a tenth of what was dissipated, and more than a hundredth of
+/// what there was; otherwise nothing.
+std::string hourglass_warning(const Summary& s) {
+  const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
+  if (!(s.hourglass.share() > 0.1) || !(s.hourglass.energy > 0.01 * present)) return {};
+  return fmt::format(
+      "warning: hourglass control took {:.0f} % of all energy that was dissipated; expected less than 10 %: refine the "
+      "mesh, spread concentrated loads, or choose hourglass: stiffness or another hourglass_coefficient\n",
+      100.0 * s.hourglass.share());
+}
+
 }  // namespace
 
 Summary Reporter::summarise(const std::string& exit) {
@@ -121,6 +155,9 @@ Summary Reporter::summarise(const std::string& exit) {
               b.external,
               b.eroded,
               b.error};
+  s.hourglass.energy = b.hourglass;
+  s.hourglass.dissipated = std::max(0.0, b.internal - elastic_energy(model)) + b.hourglass + b.bulk_viscosity +
+                           std::max(0.0, b.contact) + b.eroded;
   s.momentum.initial = triple(simulation_.ledger().initial_momentum);
   s.momentum.final = triple(b.momentum);
   s.momentum.eroded = triple(b.dropped_momentum);
@@ -211,6 +248,8 @@ std::string Reporter::table_of(const Summary& s) const {
                                                  {"eroded", s.energy.eroded}};
   for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
   fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
+  fmt::format_to(out, "  {:<16}{:>15.2f} %\n", "hourglass share", 100.0 * s.hourglass.share());
+  fmt::format_to(out, "{}", hourglass_warning(s));
   fmt::format_to(out, "\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
   for (const auto& [name, p] : s.parts)
     fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,

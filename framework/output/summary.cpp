@@ -30,6 +30,10 @@ Json json_of(const Summary::Energy& e) {
           {"balance_error", e.balance_error}};
 }
 
+Json json_of(const Summary::Hourglass& h) {
+  return {{"energy", h.energy}, {"dissipated", h.dissipated}, {"share", h.share()}};
+}
+
 Json json_of(const Summary::Eroded& e) {
   const auto count = [](std::int64_t n) { return Json(n); };
   return {{"elements", e.elements},
@@ -66,6 +70,7 @@ std::string summary_text(const Summary& s) {
   json["state_hash"] = s.state_hash;
   json["exit"] = s.exit;
   json["energy"] = json_of(s.energy);
+  json["hourglass"] = json_of(s.hourglass);
   json["momentum"] = {{"initial", s.momentum.initial},
                       {"final", s.momentum.final},
                       {"eroded", s.momentum.eroded},

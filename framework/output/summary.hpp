@@ -19,6 +19,11 @@ struct Summary {
     /// (all energies at the end, eroded included, minus initial minus external work) / max(initial, external).
     double balance_error = 0.0;  // [-]
   };
+  /// What hourglass control has taken, next to all that has not been given back.
+  struct Hourglass {
+    double energy = 0.0, dissipated = 0.0;  // [J] by hourglass control; by everything, hourglass control included
+    double share() const { return dissipated > 0.0 ? energy / dissipated : 0.0; }
+  };
   struct Momentum {  // [kg m/s]
     std::array<double, 3> initial{}, final{}, eroded{};
     std::array<double, 3> external_impulse{};  // of boundary conditions
@@ -56,6 +61,7 @@ struct Summary {
   std::string state_hash;  // hexadecimal
   std::string exit;  // "completed" or why the run ended
   Energy energy;
+  Hourglass hourglass;
   Momentum momentum;
   Mass mass;
   Eroded eroded;
