@@ -107,7 +107,7 @@ class Kernel {
     V wave, c;  // rho c^2 [Pa], c [m/s]
     V viscosity, q, viscous_work, p;  // linear and quadratic [m/s]; bulk viscosity pressure [Pa]; [J]; [Pa]
     V stable;  // step [s]
-    V elastic_share;  // of the deviator's change; for hourglass control by stiffness
+    V elastic_share, solid;  // of the deviator's change; 1 with a shear modulus; for hourglass control by stiffness
   };
   static constexpr bool is_single = std::is_same_v<Real, float>;
   static constexpr int free_share = 13;  // its place in the element's state; see hex8.cpp
@@ -343,8 +343,8 @@ class Kernel {
       w.material->update(m);
   }
 
-  /// Change of the deviator over that of an elastic step, |s - R s R^T| / (2 G |dev strain|): one in elastic steps and
-  /// in fluids, little where the material flows.
+  /// Change of the deviator over that of an elastic step, |s - R s R^T| / (2 G |dev strain|): one in elastic steps,
+  /// little where the material flows.
   [[gnu::always_inline]] static V elastic_share(int lane, const Piece& p, const Rows& rows) {
     const auto& strain = rows.step.strain;
     const V mean =
@@ -364,7 +364,10 @@ class Kernel {
   /// Work of the mean of the old and the new deviator; energy with the old pressure, for the EOS.
   [[gnu::always_inline]] void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
                                              Rows& rows) const {
-    if (stiffness_) p.elastic_share = elastic_share(lane, p, rows);
+    if (stiffness_) {
+      p.elastic_share = elastic_share(lane, p, rows);
+      p.solid = load_lanes(rows.modulus + lane) > Real(0.0) ? lanes(Real(1.0)) : V{};
+    }
     V work{};
     for (int i = 0; i < 6; ++i) {
       const V now = load_lanes(rows.deviator[i] + lane);
@@ -547,7 +550,7 @@ class Kernel {
   /// `effect`, so that the effect is at most `most` in the present shape. In most elements a bound by the lengths of
   /// the shape vectors says that nothing has to go: sqrt(8) (1 + x) at most, x = |s| V / (4 length), and
   /// (1 + x)^2 <= 1.2 + 6 x^2.
-  [[gnu::always_inline]] static V bounded_share(const Piece& p, const V (&shape)[3][4], V effect, Real most) {
+  [[gnu::always_inline]] static V bounded_share(const Piece& p, const V (&shape)[3][4], V effect, V most) {
     V size2{};
     for (int i = 0; i < 3; ++i)
       for (int a = 0; a < 4; ++a) size2 += shape[i][a] * shape[i][a];
@@ -561,6 +564,11 @@ class Kernel {
     return share;
   }
 
+  [[gnu::always_inline]] V viscous_coefficient(const Piece& p) const {
+    const V area = sqrt_of(p.k.gradient_norm * Real(2.0 / 3.0));
+    return (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+  }
+
   /// Viscous control: resistance = Q/4 rho c A g (Hallquist 1998, eq. 3.21, with A = sqrt(2/3 B:B), which is the
   /// face area of a cube). A force acts on the mean of the velocities before and after it, so half of its work is
   /// booked now and half in the next step, which knows the velocity after it. At most it stops the hourglass motion of
@@ -568,10 +576,9 @@ class Kernel {
   [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p,
                                               const V (&shape)[3][4], const V (&rate)[3][4], V alive, V (&resist)[3][4],
                                               Totals& totals) const {
-    const V area = sqrt_of(p.k.gradient_norm * Real(2.0 / 3.0));
-    V coefficient = (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+    V coefficient = viscous_coefficient(p);
     const V effect = Real(64.0) * static_cast<Real>(w.dt) * p.per_mass * coefficient;
-    coefficient *= bounded_share(p, shape, effect, Real(most_effect));
+    coefficient *= bounded_share(p, shape, effect, lanes(Real(most_effect)));
     V work{};
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 3; ++i) {
@@ -599,15 +606,18 @@ class Kernel {
 
   /// Stiffness control (Flanagan & Belytschko 1981, eqs. 63-67): resistance grows with k g dt and turns with the
   /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
-  /// highest frequency of the element. Where the material flows, it grows as little as the deviator does. The shape
-  /// vectors of the step's end see the rate in the directions of its start:
-  /// they take the rotation for a part of the linear motion. So the rate turns together with the old resistance.
+  /// highest frequency of the element. A fluid has no shape to hold: it gets the viscous form. Where a solid flows, k
+  /// grows as little as the deviator does. The shape vectors of the step's end see the rate in the directions of its
+  /// start: they take the rotation for a part of the linear motion. So the rate turns together with the old resistance.
   [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
                                                   const Strain& step, const V (&shape)[3][4], const V (&rate)[3][4],
                                                   V alive, V (&resist)[3][4], Totals& totals) const {
     const auto dt = static_cast<Real>(w.dt);
+    const auto solid = p.solid > Real(0.0);
     V growth = (hourglass_coefficient_ / Real(24.0)) * p.elastic_share * p.wave * p.k.gradient_norm * p.per_volume * dt;
-    growth *= bounded_share(p, shape, Real(64.0) * dt * p.per_mass * growth, Real(most_effect_of_growth));
+    growth = solid ? growth : viscous_coefficient(p);
+    growth *= bounded_share(p, shape, Real(64.0) * dt * p.per_mass * growth,
+                            solid ? lanes(Real(most_effect_of_growth)) : lanes(Real(most_effect)));
     V work{};
     V r[9];
     for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);
@@ -615,7 +625,7 @@ class Kernel {
       V grown[3];
       for (int i = 0; i < 3; ++i) {
         const V old = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
-        grown[i] = old + growth * rate[i][a];
+        grown[i] = p.solid * old + growth * rate[i][a];
         work += (old + grown[i]) * rate[i][a];
       }
       for (int i = 0; i < 3; ++i) {
