@@ -21,9 +21,11 @@ struct Hex8 final : Element {
   };
 
   static void describe(Schema<Hex8>& s) {
-    s.choice(&Hex8::hourglass, "hourglass", {"viscous", "stiffness"},
-             "resistance to hourglass modes: proportional to their velocity, or to their displacement")
-        .by_default("viscous");
+    s.choice(
+         &Hex8::hourglass, "hourglass", {"viscous", "stiffness"},
+         "resistance to hourglass modes: proportional to their velocity, or to their displacement (in fluids always "
+         "to their velocity)")
+        .by_default("stiffness");
     s.real(&Hex8::hourglass_coefficient, "hourglass_coefficient", "-", between(0.0, 0.5),
            "strength of the hourglass control")
         .by_default("0.05");
