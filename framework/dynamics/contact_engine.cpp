@@ -301,6 +301,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
   velocity_.assign(4 * n, 0.0);
   mass_.assign(n, 0.0);
   force_.assign(4 * n, 0);
+  friction_.assign(4 * n, 0);
   share_.assign(n, 0);
   load_ = {};
   plan_.reset();
@@ -320,6 +321,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
     owned_velocity_.assign(4 * n_local, 0.0);
   }
   load_.force.assign(4 * load_.nodes.size(), 0);
+  load_.friction.assign(4 * load_.nodes.size(), 0);
 }
 
 void ContactEngine::search(Model& model, const Step& step) {
@@ -476,17 +478,17 @@ void ContactEngine::split_masses(const ContactView& view, double quantum) {
   plan_->pull(owned_share_.data(), 1, share_.data(), 1, 1);
 }
 
-/// The forces of all ranks on the nodes that this one owns: by local node, or by node of the view on one rank.
-const std::int64_t* ContactEngine::total_forces() {
-  if (!plan_) return force_.data();
+/// The sums of all ranks for the nodes that this one owns: by local node, or by node of the view on one rank.
+const std::int64_t* ContactEngine::totals_of(const std::vector<std::int64_t>& sums) {
+  if (!plan_) return sums.data();
   for (const std::int32_t n : load_.nodes) std::fill_n(&owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
-  plan_->push_add(force_.data(), 4, owned_force_.data(), 4, 3);
+  plan_->push_add(sums.data(), 4, owned_force_.data(), 4, 3);
   return owned_force_.data();
 }
 
 /// Sets pushed_velocity_ to what the forces so far lead to. Collective.
 void ContactEngine::push_velocities(const Model& model) {
-  const std::int64_t* totals = total_forces();
+  const std::int64_t* totals = totals_of(force_);
   if (plan_) {
     total_force_.resize(force_.size());
     plan_->pull(owned_force_.data(), 4, total_force_.data(), 4, 3);
@@ -504,7 +506,7 @@ void ContactEngine::push_velocities(const Model& model) {
 }
 
 void ContactEngine::push(Model& model) {
-  const std::int64_t* totals = total_forces();
+  const std::int64_t* totals = totals_of(force_);
   for (std::size_t k = 0; k < load_.nodes.size(); ++k) {
     const auto n = static_cast<std::size_t>(load_.nodes[k]);
     const std::size_t from = plan_ ? 4 * n : 4 * k;
@@ -513,6 +515,10 @@ void ContactEngine::push(Model& model) {
       model.nodes.force[4 * n + d] += totals[from + d];
     }
   }
+  if (!(law_.response().friction > 0.0)) return;
+  totals = totals_of(friction_);
+  for (std::size_t k = 0; k < load_.nodes.size(); ++k)
+    std::copy_n(&totals[plan_ ? 4 * static_cast<std::size_t>(load_.nodes[k]) : 4 * k], 3, &load_.friction[4 * k]);
 }
 
 ContactView ContactEngine::view() const {
@@ -555,7 +561,8 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   measure_speeds(model);
   split_masses(seen, model.quanta.mass);
   std::fill(force_.begin(), force_.end(), 0);
-  ContactForces forces(force_.data(), model.quanta.force);
+  std::fill(friction_.begin(), friction_.end(), 0);
+  ContactForces forces(force_.data(), friction_.data(), model.quanta.force);
   Impacts impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass});
   pushed_velocity_ = velocity_;
   for (int round = 0; round < rounds; ++round) {

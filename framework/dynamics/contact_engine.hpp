@@ -52,6 +52,11 @@ class ContactEngine {
   void add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers);
   /// Of this rank, as they are after the last forces. Which ranks know a node does not matter.
   const ContactSpeeds& speeds() const { return speeds_; }
+  /// What the law has found in the last forces.
+  const ContactTouches& touches() const { return touches_; }
+  /// Part of a node of the last view.
+  std::int32_t part_of(int node) const { return found_->node_part[node]; }
+  double mass_of(int node) const { return mass_[node]; }
   /// Least distance at which a facet sees a node [m].
   double least_reach() const { return least_reach_; }
   /// Forces of the last call on nodes that this rank owns.
@@ -109,7 +114,7 @@ class ContactEngine {
   double dt_ahead() const;
   void pull(const Model& model);
   void split_masses(const ContactView& view, double quantum);
-  const std::int64_t* total_forces();
+  const std::int64_t* totals_of(const std::vector<std::int64_t>& sums);
   void push_velocities(const Model& model);
   void push(Model& model);
   ContactView view() const;
@@ -145,7 +150,7 @@ class ContactEngine {
   AlignedVector<double> pushed_velocity_;  // of the nodes of the view, with the contact forces so far
   AlignedVector<double> owned_position_, owned_velocity_;  // of this rank's nodes that other ranks need, predicted
   std::vector<double> mass_;
-  std::vector<std::int64_t> force_, owned_force_, total_force_, share_, owned_share_;
+  std::vector<std::int64_t> force_, owned_force_, friction_, total_force_, share_, owned_share_;
   ContactTouches touches_;
   ContactSpeeds speeds_;
   double least_reach_ = 0.0;  // of all facets that the model can have [m]

@@ -61,7 +61,8 @@ double wanted_speed(const ContactTouch& t, const ContactResponse& r, double clos
 
 }  // namespace
 
-void ContactForces::add(int node, const std::int32_t* facet_nodes, const double (&weights)[4], Vec3 force) {
+void ContactForces::add_to(std::int64_t* sums, int node, const std::int32_t* facet_nodes, const double (&weights)[4],
+                           Vec3 force) {
   for (int d = 0; d < 3; ++d) {
     std::int64_t sum = 0;
     for (int k = 0; k < 4; ++k) {
@@ -71,10 +72,10 @@ void ContactForces::add(int node, const std::int32_t* facet_nodes, const double 
         return;
       }
       const auto quanta = static_cast<std::int64_t>(std::llrint(share));
-      force_[4 * facet_nodes[k] + d] -= quanta;
+      sums[4 * facet_nodes[k] + d] -= quanta;
       sum += quanta;
     }
-    force_[4 * node + d] += sum;
+    sums[4 * node + d] += sum;
   }
 }
 
@@ -117,13 +118,12 @@ void Impacts::add_round(const double* velocity, bool last, ContactForces& forces
     const double closing = -dot(v, t.direction), before = i.push, tried = i.tried;
     i.push = max_of(i.tried + i.mass * (closing - i.wanted), 0.0);
     i.tried = i.push + momentum * (i.push - before);
-    Vec3 impulse = t.direction * (i.tried - tried);
-    if (response_.friction > 0.0) {
-      const Vec3 grip = friction(i, t, v + t.direction * closing);
-      impulse = impulse + (grip - i.grip);
-      i.grip = grip;
-    }
-    forces.add(t.node, corners_of(view_, t), t.weights, impulse * (1.0 / view_.kick_dt));
+    const double per_impulse = 1.0 / view_.kick_dt;
+    forces.add(t.node, corners_of(view_, t), t.weights, t.direction * ((i.tried - tried) * per_impulse));
+    if (!(response_.friction > 0.0)) continue;
+    const Vec3 grip = friction(i, t, v + t.direction * closing);
+    forces.add_friction(t.node, corners_of(view_, t), t.weights, (grip - i.grip) * per_impulse);
+    i.grip = grip;
   }
 }
 

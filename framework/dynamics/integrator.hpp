@@ -18,6 +18,7 @@ namespace kerf {
 struct ContactLoad {
   std::vector<std::int32_t> nodes;
   std::vector<std::int64_t> force;  // four per node, in force quanta
+  std::vector<std::int64_t> friction;  // the share of friction in it; the same length
 };
 
 class Integrator;

@@ -27,6 +27,7 @@ const std::vector<HistoryColumn> history_columns = {{"time", "s"},
                                                     {"hourglass", "J"},
                                                     {"bulk_viscosity", "J"},
                                                     {"contact", "J"},
+                                                    {"friction", "J"},
                                                     {"external", "J"},
                                                     {"eroded", "J"},
                                                     {"balance_error", "-"},
@@ -35,6 +36,7 @@ const std::vector<HistoryColumn> history_columns = {{"time", "s"},
                                                     {"momentum_z", "kg m/s"},
                                                     {"mass", "kg"},
                                                     {"eroded_count", "-"},
+                                                    {"let_go_count", "-"},
                                                     {"imbalance", "-"}};
 
 // A run that is killed leaves neither a summary nor, if it started anew, a restart file: those of an earlier run would
@@ -221,6 +223,7 @@ void Reporter::write_history(bool check) {
                         b.hourglass,
                         b.bulk_viscosity,
                         b.contact,
+                        b.friction,
                         b.external,
                         b.eroded,
                         b.error,
@@ -229,6 +232,7 @@ void Reporter::write_history(bool check) {
                         b.momentum.z,
                         b.live_mass + b.free_mass,
                         static_cast<double>(b.eroded_elements),
+                        static_cast<double>(b.let_go.nodes),
                         Balancer::imbalance(simulation_.model())};
   history_->write(row);
   if (check) simulation_.check(b);
@@ -250,11 +254,13 @@ void Reporter::progress_line() {
   const double imbalance = Balancer::imbalance(simulation_.model());
   const double elapsed = seconds_now() - start_seconds_;
   const double share = simulation_.clock().time() / input_.time.end;
+  const std::int64_t id = simulation_.reduction().least_id;
   print(fmt::format(
-      "cycle {:7d}  t {:.4e} s  dt {:.3e} s (element {})  energy {:+.3f} %  eroded {:6d}  imbalance {:.3f}  "
+      "cycle {:7d}  t {:.4e} s  dt {:.3e} s ({})  energy {:+.3f} %  eroded {:6d}  {}imbalance {:.3f}  "
       "elapsed {:.1f} s  left {:.0f} s\n",
       simulation_.clock().cycle(), simulation_.clock().time(), simulation_.clock().last_dt(),
-      simulation_.reduction().least_id, 100.0 * last_.error, last_.eroded_elements, imbalance, elapsed,
+      id >= 0 ? fmt::format("element {}", id) : "contact", 100.0 * last_.error, last_.eroded_elements,
+      last_.let_go.nodes > 0 ? fmt::format("let go {:d}  ", last_.let_go.nodes) : "", imbalance, elapsed,
       share > 0.0 ? elapsed * (1.0 - share) / share : 0.0));
 }
 

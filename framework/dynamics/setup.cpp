@@ -57,6 +57,7 @@ void ask_moduli(PartModel& part) {
   part.shear_modulus = shear[0];
   part.bulk_modulus = bulk[0];
   part.initial_pressure = pressure[0];
+  part.initial_energy = m.eos->initial_energy_density() / m.density;
 }
 
 class SetMarker {

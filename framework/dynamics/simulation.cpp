@@ -136,18 +136,26 @@ void Simulation::renumbered() {
 /// What all definitions together put on each node, as a restart file has it: the work of a sum is rounded once.
 ContactLoad Simulation::load() const {
   if (contacts_.size() == 1) return contacts_.front()->load();
-  std::vector<std::pair<std::int32_t, const std::int64_t*>> parts;  // node, force
+  struct Part {
+    std::int32_t node;
+    const std::int64_t *force, *friction;
+  };
+  std::vector<Part> parts;
   for (const auto& c : contacts_)
     for (std::size_t k = 0; k < c->load().nodes.size(); ++k)
-      parts.emplace_back(c->load().nodes[k], &c->load().force[4 * k]);
-  std::sort(parts.begin(), parts.end());
+      parts.push_back({c->load().nodes[k], &c->load().force[4 * k], &c->load().friction[4 * k]});
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.node < b.node; });
   ContactLoad sum;
-  for (const auto& [node, force] : parts) {
+  for (const auto& [node, force, friction] : parts) {
     if (sum.nodes.empty() || sum.nodes.back() != node) {
       sum.nodes.push_back(node);
       sum.force.insert(sum.force.end(), 4, 0);
+      sum.friction.insert(sum.friction.end(), 4, 0);
     }
-    for (std::size_t d = 0; d < 3; ++d) sum.force[sum.force.size() - 4 + d] += force[d];
+    for (std::size_t d = 0; d < 3; ++d) {
+      sum.force[sum.force.size() - 4 + d] += force[d];
+      sum.friction[sum.friction.size() - 4 + d] += friction[d];
+    }
   }
   return sum;
 }
@@ -200,7 +208,12 @@ void Simulation::add_forces(const Step& step) {
 void Simulation::add_contact_forces(const Step& step) {
   if (contacts_.empty()) return;
   const Prediction prediction(integrator_, model_, next_step());
-  for (auto& c : contacts_) c->add_forces(model_, step, prediction, timers_);
+  for (auto& c : contacts_) {
+    c->add_forces(model_, step, prediction, timers_);
+    for (const ContactTouches::LetGo& l : c->touches().all_let_go())
+      ledger_.let_go.add(c->part_of(l.node), std::llrint(c->mass_of(l.node) / ledger_.mass_quantum), l.depth,
+                         prediction.step().end());
+  }
   load_ = load();
   const auto scope = timers_.measure("halo");
   copy_to_ghosts(model_, model_.nodes.force.data(), 4);
@@ -275,7 +288,11 @@ void Simulation::stop(const std::string& local_trouble, std::int64_t id, const S
 
 bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) != 0; }
 
-Balance Simulation::sample() { return integrator_.sample(model_, next_step(), load_, ledger_); }
+Balance Simulation::sample() {
+  Balance b = integrator_.sample(model_, next_step(), load_, ledger_);
+  ledger_.judge_contact(b);
+  return b;
+}
 
 ContactSpeeds Simulation::contact_speeds() const {
   ContactSpeeds all;
@@ -322,7 +339,9 @@ void Simulation::resume(const Progress& p) {
     const auto it = p.contact_force.find(model_.nodes.id[i]);
     if (!model_.nodes.owned[i] || it == p.contact_force.end()) continue;
     load_.nodes.push_back(i);
-    load_.force.insert(load_.force.end(), {it->second[0], it->second[1], it->second[2], 0});
+    const auto& f = it->second;
+    load_.force.insert(load_.force.end(), {f[0], f[1], f[2], 0});
+    load_.friction.insert(load_.friction.end(), {f[3], f[4], f[5], 0});
   }
 }
 
@@ -330,6 +349,13 @@ void Simulation::resume(const Progress& p) {
 void Simulation::check(const Balance& b) const {
   check_speeds(b.time);
   check_energy(b);
+  const LetGo& l = b.let_go;
+  if (!(static_cast<double>(l.mass) * ledger_.mass_quantum <= input_.checks.let_go * ledger_.initial_mass))
+    throw PhysicsError(fmt::format(
+        "contact has let go of {} nodes, which came to lie up to {:.4g} m inside a body, with more than checks.let_go "
+        "({:.3g}) of the mass of the model, the first at time {:.6g} s; refine the mesh where bodies meet, or lower "
+        "time.safety_factor; at time {:.6g} s, cycle {}",
+        l.nodes, l.deepest, input_.checks.let_go, l.first_time, b.time, clock_.cycle()));
 }
 
 void Simulation::check_energy(const Balance& b) const {

@@ -79,7 +79,7 @@ class Simulation {
     std::int64_t cycle = 0, last_rebalance = 0, element_cycles = 0;
     StepReduction reduction;
     double first_stable = 0.0, contact_step = 0.0;
-    std::unordered_map<std::int64_t, std::array<std::int64_t, 3>> contact_force;  // by node id, any superset
+    std::unordered_map<std::int64_t, std::array<std::int64_t, 6>> contact_force;  // and friction; by node id, any superset
   };
   /// Collective.
   Progress progress() const;

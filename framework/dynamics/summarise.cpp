@@ -154,7 +154,16 @@ Summary Reporter::summarise(const std::string& exit) {
               b.contact,
               b.external,
               b.eroded,
-              b.error};
+              b.error,
+              b.friction,
+              b.given_back};
+  s.contact_let_go = {b.let_go.nodes,
+                      static_cast<double>(b.let_go.mass) * simulation_.ledger().mass_quantum,
+                      b.let_go.deepest,
+                      b.let_go.first_time,
+                      {}};
+  for (std::size_t p = 0; p < b.let_go.by_part.size(); ++p)
+    if (b.let_go.by_part[p] > 0) s.contact_let_go.by_part[model.parts[p].input->name] = b.let_go.by_part[p];
   s.hourglass.energy = b.hourglass;
   s.hourglass.dissipated = std::max(0.0, b.internal - elastic_energy(model)) + b.hourglass + b.bulk_viscosity +
                            std::max(0.0, b.contact) + b.eroded;
@@ -244,6 +253,7 @@ std::string Reporter::table_of(const Summary& s) const {
                                                  {"hourglass", s.energy.hourglass},
                                                  {"bulk viscosity", s.energy.bulk_viscosity},
                                                  {"contact", s.energy.contact},
+                                                 {"  by friction", s.energy.friction},
                                                  {"external work", s.energy.external},
                                                  {"eroded", s.energy.eroded}};
   for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
@@ -254,6 +264,9 @@ std::string Reporter::table_of(const Summary& s) const {
   for (const auto& [name, p] : s.parts)
     fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,
                    norm({p.velocity[0], p.velocity[1], p.velocity[2]}));
+  if (s.contact_let_go.nodes > 0)
+    fmt::print("\nwarning: contact has let go of {} nodes, up to {:.4g} m deep, the first at {:.6g} s\n",
+               s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time);
   if (s.eroded.elements > 0) {
     fmt::format_to(out, "\neroded by");
     for (const auto& [name, n] : s.eroded.by_criterion) fmt::format_to(out, "  {} {}", name, n);

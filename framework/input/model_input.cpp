@@ -124,6 +124,9 @@ void ChecksInput::describe(Schema<ChecksInput>& s) {
   s.real(&ChecksInput::energy_growth, "energy_growth", "-", positive,
          "the run stops when the energy balance error exceeds this")
       .by_default("0.05");
+  s.real(&ChecksInput::let_go, "let_go", "-", non_negative,
+         "the run stops when contact has let go of nodes with more than this share of the model's mass")
+      .by_default("0.01");
   s.real(&ChecksInput::maximum_speed, "maximum_speed", "m/s", positive,
          "the run stops when a node is faster than this; by default a hundred times the sound speed")
       .optional();

@@ -27,7 +27,9 @@ Json json_of(const Summary::Energy& e) {
           {"contact", e.contact},
           {"external", e.external},
           {"eroded", e.eroded},
-          {"balance_error", e.balance_error}};
+          {"balance_error", e.balance_error},
+          {"friction", e.friction},
+          {"contact_given_back", e.contact_given_back}};
 }
 
 Json json_of(const Summary::Hourglass& h) {
@@ -71,6 +73,12 @@ std::string summary_text(const Summary& s) {
   json["exit"] = s.exit;
   json["energy"] = json_of(s.energy);
   json["hourglass"] = json_of(s.hourglass);
+  const Summary::ContactLetGo& let_go = s.contact_let_go;
+  json["contact_let_go"] = {{"nodes", let_go.nodes},
+                            {"mass", let_go.mass},
+                            {"deepest", let_go.deepest},
+                            {"first_time", let_go.first_time},
+                            {"by_part", object_of(let_go.by_part, [](std::int64_t n) { return Json(n); })}};
   json["momentum"] = {{"initial", s.momentum.initial},
                       {"final", s.momentum.final},
                       {"eroded", s.momentum.eroded},

@@ -26,6 +26,7 @@ struct PartModel {
   double shear_modulus = 0.0;  // [Pa]
   double initial_pressure = 0.0;  // [Pa]
   double initial_mass = 0.0;  // [kg]
+  double initial_energy = 0.0;  // internal energy per mass at the start, which the store does not contain [J/kg]
   double work = 1.0;  // work of one element and cycle, for the work model
   std::unique_ptr<Placement> placement;
   std::unique_ptr<PartStore> store;

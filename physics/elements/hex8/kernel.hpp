@@ -268,6 +268,10 @@ class Kernel {
     alignas(64) Real alive[lane_width];
     std::fill_n(alive, lane_width, Real(1.0));
     for (unsigned left = dead; left != 0; left &= left - 1) alive[std::countr_zero(left)] = Real(0.0);
+    if (dead != 0) [[unlikely]]
+      each_piece<Real>([&](int lane) __attribute__((always_inline)) {
+        take_back_work(w, block, lane, load_lanes(alive + lane), piece(lane), rows);
+      });
     each_piece<Real>([&](int lane) __attribute__((always_inline)) {
       const Piece& p = piece(lane);
       const unsigned inverted = mask_of(~(p.k.volume > Real(0.0))) & ~(dead >> lane);
@@ -423,6 +427,23 @@ class Kernel {
     store_lanes(at(w.pressure, 1, block, 0, lane), p.p);
     p.stable = stable_step(w, block, lane, p.k, p.per_volume, p.viscosity, p.c * p.c,
                            load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
+  }
+
+  /// The stress that an element dies with never acts on its nodes: of the work of the step only the share of the old
+  /// stress was given by them, and the share of the new one is taken back.
+  static void take_back_work(Work& w, int block, int lane, V alive, const Piece& p, const Rows& rows) {
+    V work{};
+    for (int i = 0; i < 6; ++i) work += Real(i < 3 ? 1.0 : 2.0) * p.s[i] * load_lanes(rows.step.strain[i] + lane);
+    const V dead = Real(1.0) - alive, viscous = Real(-0.5) * p.q * p.volume_change * dead;
+    const V given = work * (Real(0.25) * (p.volume + p.old_volume)) * dead - Real(0.5) * p.p * p.volume_change * dead;
+    add(at(w.internal_energy, 1, block, 0, lane), -(given + viscous));
+    add(at(w.viscous_energy, 1, block, 0, lane), -viscous);
+  }
+  static void add(double* sum, V term) {
+    if constexpr (is_single)
+      add_lanes(sum, term);
+    else
+      store_lanes(sum, load_lanes(sum) + term);
   }
 
   unsigned judge_block(Work& w, int block, const Strain& step, const Piece (&pieces)[pieces_of<Real>]) const {
@@ -584,19 +605,19 @@ class Kernel {
       for (int i = 0; i < 3; ++i) {
         resist[i][a] = coefficient * rate[i][a];
         Real* stored = at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane);
-        work += (load_lanes(stored) + resist[i][a]) * rate[i][a];
+        work += (load_lanes(stored) + alive * resist[i][a]) * rate[i][a];
         store_lanes(stored, resist[i][a]);
       }
-    book_hourglass(w, lane, work, alive, totals);
+    book_hourglass(w, lane, work, p.good, totals);
   }
 
-  static void book_hourglass(const Work& w, int lane, V work, V alive, Totals& totals) {
-    book_part<0>(w, lane, work, alive, totals);
-    if constexpr (n_wide<Real> == 2) book_part<1>(w, lane, work, alive, totals);
+  static void book_hourglass(const Work& w, int lane, V work, V good, Totals& totals) {
+    book_part<0>(w, lane, work, good, totals);
+    if constexpr (n_wide<Real> == 2) book_part<1>(w, lane, work, good, totals);
   }
   template <int part>
-  [[gnu::always_inline]] static void book_part(const Work& w, int lane, V work, V alive, Totals& totals) {
-    const Lanes energy = 0.5 * widened<part>(work) * w.dt * widened<part>(alive) * w.energy_per_quantum;
+  [[gnu::always_inline]] static void book_part(const Work& w, int lane, V work, V good, Totals& totals) {
+    const Lanes energy = 0.5 * widened<part>(work) * w.dt * widened<part>(good) * w.energy_per_quantum;
     const bool small = mask_of(abs_of(energy) < small_limit) == all_lanes;
     const LanesInt quanta =
         small ? round_small_to_int(energy) : round_to_int(max_of(min_of(energy, lanes(1e18)), lanes(-1e18)));
@@ -626,7 +647,7 @@ class Kernel {
       for (int i = 0; i < 3; ++i) {
         const V old = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
         grown[i] = p.solid * old + growth * rate[i][a];
-        work += (old + grown[i]) * rate[i][a];
+        work += (old + alive * grown[i]) * rate[i][a];
       }
       for (int i = 0; i < 3; ++i) {
         resist[i][a] = r[3 * i] * grown[0] + r[3 * i + 1] * grown[1] + r[3 * i + 2] * grown[2];
@@ -634,7 +655,7 @@ class Kernel {
         store_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane), resist[i][a]);
       }
     }
-    book_hourglass(w, lane, work, alive, totals);
+    book_hourglass(w, lane, work, p.good, totals);
   }
 
   bool free_element_, stiffness_;
