@@ -80,6 +80,7 @@ int run(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
                      "time.maximum_cycles; run without --resume, or name the folder of the earlier run with --output",
                      settings.folder)});
   Simulation simulation(comm, *input, registry);
+  if (rank_of(comm) == 0) print_warnings(simulation.warnings());
   make_folder(comm, settings.folder);
   settings.input_digest = input->digest + " " + state_hash(simulation.model());
   Reporter reporter(simulation, *input, settings);
