@@ -131,6 +131,7 @@ int run(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
   settings.resume = options.resume;
   if (options.resume) require_restart_file(comm, settings.folder);
   Simulation simulation(comm, *input, registry);
+  if (rank_of(comm) == 0) print_warnings(simulation.warnings());
   make_folder(comm, settings.folder);
   settings.input_digest = input->digest + " " + state_hash(simulation.model());
   Reporter reporter(simulation, *input, settings);

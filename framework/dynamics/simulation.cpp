@@ -12,7 +12,7 @@
 #include "core/diagnostics.hpp"
 #include "core/fixed_sum.hpp"
 #include "core/physics_error.hpp"
-#include "dynamics/initial_overlap.hpp"
+#include "dynamics/model_warnings.hpp"
 #include "dynamics/setup.hpp"
 #include "parallel/communicator.hpp"
 
@@ -75,7 +75,9 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
   ledger_.open(model_);
   renumbered();
 
-  refuse_bad_start();
+  const ContactCover cover(model_);
+  warnings_ = input.warnings;
+  refuse_bad_start(cover);
 
   const ElementReport report = initialise_elements(model_);
   sum_over_copies(model_, model_.nodes.force.data(), 4);
@@ -83,6 +85,7 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
   reduce(none, report);
   first_stable_ = reduction_.least_step;
   if (!contacts_.empty()) start_contact(report);
+  for (std::string& line : model_warnings(model_, cover)) warnings_.push_back(std::move(line));
   for (PartModel& part : model_.parts) {
     std::vector<double> mass;
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
@@ -105,9 +108,8 @@ void Simulation::start_contact(const ElementReport& report) {
 }
 
 /// Throws where nodes cannot start as they stand, or bodies that may touch overlap.
-void Simulation::refuse_bad_start() {
+void Simulation::refuse_bad_start(const ContactCover& cover) {
   std::vector<std::string> errors = integrator_.complaints(model_);
-  const ContactCover cover(model_);
   std::vector<bool> reported(contacts_.size(), false);
   for (const Overlap& o : find_overlaps(model_)) {
     const int contact = cover.between(o.first, o.second);

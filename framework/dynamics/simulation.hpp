@@ -13,6 +13,7 @@
 #include "dynamics/contact_engine.hpp"
 #include "dynamics/element_loop.hpp"
 #include "dynamics/erosion.hpp"
+#include "dynamics/initial_overlap.hpp"
 #include "dynamics/integrator.hpp"
 #include "dynamics/ledger.hpp"
 #include "plugin/registry.hpp"
@@ -87,7 +88,7 @@ class Simulation {
   void resume(const Progress& progress);
 
  private:
-  void refuse_bad_start();
+  void refuse_bad_start(const ContactCover& cover);
   void renumbered();
   void rebalance(const Step& step);
   void add_forces(const Step& step);

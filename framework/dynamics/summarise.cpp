@@ -184,6 +184,7 @@ Summary Reporter::summarise(const std::string& exit) {
       s.eroded.by_criterion[criteria[c]->type] += counts[8 * p + c];
     }
   }
+  s.warnings = simulation_.warnings();
   add_parts(s);
   add_measures(s);
   add_timers(s);

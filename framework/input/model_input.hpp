@@ -108,6 +108,8 @@ struct ModelInput {
   ChecksInput checks;
   /// Fingerprint of the text of everything that a restart must find unchanged; not a key of the input.
   std::string digest;
+  std::string end_origin;  // where time.end was written
+  std::vector<std::string> warnings;  // about the text of the input
   static void describe(Schema<ModelInput>& s);
   ~ModelInput();
 };

@@ -90,6 +90,7 @@ std::string summary_text(const Summary& s) {
   json["eroded"] = json_of(s.eroded);
   json["parts"] = object_of(s.parts, [](const Summary::Part& p) { return json_of(p); });
   json["measures"] = object_of(s.measures, [](double v) { return Json(v); });
+  json["warnings"] = s.warnings;
   json["timers"] = object_of(s.timers, [](const Summary::Timer& t) {
     return Json{{"min", t.min}, {"mean", t.mean}, {"max", t.max}};
   });

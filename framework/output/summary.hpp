@@ -77,6 +77,7 @@ struct Summary {
   Eroded eroded;
   std::map<std::string, Part> parts;
   std::map<std::string, double> measures;
+  std::vector<std::string> warnings;  // that were printed before the first step
   std::map<std::string, Timer> timers;
   std::vector<Rebalance> rebalances;
 };

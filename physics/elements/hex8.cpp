@@ -28,7 +28,8 @@ struct Hex8 final : Element {
         .by_default("stiffness");
     s.real(&Hex8::hourglass_coefficient, "hourglass_coefficient", "-", between(0.0, 0.5),
            "strength of the hourglass control")
-        .by_default("0.05");
+        .by_default("0.05")
+        .usual(between(0.01, 0.1));
     s.real(&Hex8::linear_viscosity, "linear_viscosity", "-", between(0.0, 2.0), "linear bulk viscosity coefficient")
         .by_default("0.06");
     s.real(&Hex8::quadratic_viscosity, "quadratic_viscosity", "-", between(0.0, 10.0),
