@@ -197,6 +197,10 @@ void SharedFile::sync() {
   attempt([&] { file_.sync(); });
 }
 void SharedFile::agree() { kerf::agree(comm_, std::exchange(failure_, {})); }
+void SharedFile::publish(const std::string& path) {
+  on_root(comm_, [&] { kerf::publish(file_.path(), path); });
+  file_.call(path);
+}
 void SharedFile::close() {
   attempt([&] { file_.close(); });
   agree();

@@ -30,6 +30,8 @@ class File {
 
   bool is_open() const { return id_ >= 0; }
   const std::string& path() const { return path_; }
+  /// What messages call the file from now on, after it was renamed.
+  void call(const std::string& path) { path_ = path; }
   /// Writes all bytes at a place of the file, or at its end.
   void write_at(std::uint64_t place, std::span<const std::byte> bytes);
   void append(const std::string& text);
@@ -73,6 +75,8 @@ class SharedFile {
   void sync();
   /// Throws OutputError on all ranks where a transfer of any rank has failed. Collective.
   void agree();
+  /// Gives the file, which is complete on the disk, another name. Collective; throws OutputError.
+  void publish(const std::string& path);
   /// Collective; throws OutputError.
   void close();
   File& local() { return file_; }

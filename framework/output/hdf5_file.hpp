@@ -41,6 +41,8 @@ class Hdf5File {
   /// Drops all storage from the end of what `root` describes on, where that is worth it. Pre: `root` has been
   /// committed. Collective.
   void shorten();
+  /// Gives the file, whose present state is committed, another name. Collective.
+  void publish(const std::string& path) { file_.publish(path); }
   void close() { file_.close(); }
 
  private:

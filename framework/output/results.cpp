@@ -485,7 +485,7 @@ void ResultsWriter::Impl::end_frame() {
   ++n_frames_;
   steps_->set("NSteps", n_frames_);
   file_.commit();
-  if (!has_name_) on_root(comm_, [&] { publish(path_ + ".part", path_); });
+  if (!has_name_) file_.publish(path_);
   has_name_ = true;
   in_frame_ = false;
 }
