@@ -73,6 +73,7 @@ int check_command(const RunOptions& options, Registry& registry) {
     if (root) print_meshes(*input);
     Simulation simulation(runtime.comm(), *input, registry);
     if (root) print_report(simulation, *input);
+    if (root) print_warnings(simulation.warnings());
     return exit_done;
   } catch (const InputError& e) {
     if (root)

@@ -44,6 +44,9 @@ bool needs_mpirun(int ranks);
 /// then. Throws std::runtime_error where mpirun cannot be started or runs another number of ranks.
 void relaunch_under_mpirun(int ranks, int argc, char** argv);
 
+/// Prints warnings on the standard error. To be called by one rank.
+void print_warnings(const std::vector<std::string>& lines);
+
 /// Prints what all ranks find alike outside MPI, once: only on the first of the processes that mpirun started.
 void print_errors(const std::vector<std::string>& lines);
 

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -18,6 +19,11 @@
 #include "app/commands.hpp"
 
 namespace kerf {
+
+void print_warnings(const std::vector<std::string>& lines) {
+  std::fflush(stdout);
+  for (const std::string& line : lines) fmt::print(stderr, "{}\n", line);
+}
 
 void print_errors(const std::vector<std::string>& lines) {
   const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");

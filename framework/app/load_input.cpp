@@ -75,15 +75,13 @@ void check_memory(MPI_Comm comm, const ModelInput& input, const std::string& nam
       name, n, largest->name, n * bytes_per_element * 1e-9, size_of(comm), size_of(comm) == 1 ? "" : "s")});
 }
 
-std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& options, const Registry& registry,
-                                  bool print_warnings) {
+std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& options, const Registry& registry) {
   Diagnostics diagnostics;
   OriginMap origins;
   auto input = read_model_input(options.input, bytes, options.overrides, registry, diagnostics, origins);
   validate(*input, origins, diagnostics);
-  if (print_warnings)
-    for (const std::string& line : diagnostics.warnings()) fmt::print(stderr, "{}\n", line);
   diagnostics.throw_if_errors();
+  input->warnings = diagnostics.warnings();
   if (input->boundaries.size() > 64 || input->sets.size() > 64 || input->parts.size() > 64)
     throw InputError({fmt::format("{}: error: there are more than 64 parts, sets or boundary conditions; merge some",
                                   options.input)});
@@ -96,7 +94,7 @@ void check_before_launch(const RunOptions& options, const Registry& registry) {
   std::string failure;
   const std::string bytes = read_file(options.input, failure);
   if (!failure.empty()) throw InputError({failure});
-  check_enough_elements(*parse(bytes, options, registry, false), options.input, options.ranks);
+  check_enough_elements(*parse(bytes, options, registry), options.input, options.ranks);
   // A rank takes about 20 MB before it holds anything. Under a batch system they may go to several machines.
   constexpr double bytes_per_rank = 2.0e7;
   for (const char* name : {"SLURM_JOB_ID", "PBS_JOBID", "LSB_JOBID", "OMPI_MCA_orte_default_hostfile"})
@@ -114,7 +112,7 @@ std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options,
   failure = broadcast(comm, failure);
   if (!failure.empty()) throw InputError({failure});
   bytes = broadcast(comm, bytes);
-  auto input = parse(bytes, options, registry, rank_of(comm) == 0);
+  auto input = parse(bytes, options, registry);
   check_enough_elements(*input, options.input, size_of(comm));
   check_memory(comm, *input, options.input);
   return input;

@@ -13,6 +13,7 @@
 #include "dynamics/contact_engine.hpp"
 #include "dynamics/element_loop.hpp"
 #include "dynamics/erosion.hpp"
+#include "dynamics/initial_overlap.hpp"
 #include "dynamics/integrator.hpp"
 #include "dynamics/ledger.hpp"
 #include "plugin/registry.hpp"
@@ -23,8 +24,9 @@ namespace kerf {
 /// What all ranks know after a step.
 struct StepReduction {
   double least_step = 0.0;  // [s]
-  std::int64_t least_id = -1;  // element that sets it
+  std::int64_t least_id = -1;  // element that sets it; -1 where it is contact
   std::int64_t flags = 0;  // or of all ranks
+  ContactSpeeds speeds;  // of contact in the step before
 };
 
 /// Called by the loop at its named points; a researcher's way in without editing the loop.
@@ -69,29 +71,37 @@ class Simulation {
   /// The step that will follow.
   Step next_step() const { return clock_.plan(reduction_.least_step); }
   double first_stable_step() const { return first_stable_; }
+  /// What a user should look at before the run, as lines "origin: warning: what; what to do"; the same on all ranks.
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
   // For restart
   struct Progress {
     double time = 0.0, last_dt = 0.0;
     std::int64_t cycle = 0, last_rebalance = 0, element_cycles = 0;
     StepReduction reduction;
-    double first_stable = 0.0;
-    std::unordered_map<std::int64_t, std::array<std::int64_t, 3>> contact_force;  // by node id, any superset
+    double first_stable = 0.0, contact_step = 0.0;
+    std::unordered_map<std::int64_t, std::array<std::int64_t, 6>> contact_force;  // and friction; by node id, any superset
   };
+  /// Collective.
   Progress progress() const;
   /// After the model was assembled from a restart: distributes it and takes up the clock.
   void resume(const Progress& progress);
 
  private:
+  void refuse_bad_start(const ContactCover& cover);
   void renumbered();
   void rebalance(const Step& step);
   void add_forces(const Step& step);
-  void reduce(const Step& step, const ElementReport& report);
+  void start_contact(const ElementReport& report);
+  void add_contact_forces(const Step& step);
+  void reduce(const Step& step, ElementReport report);
   void erode(const Step& step);
   void check_energy(const Balance& balance) const;
   void check_speeds(double time) const;
   [[noreturn]] void stop(const std::string& local_trouble, std::int64_t id, const Step& step) const;
   ContactLoad load() const;
+  ContactSpeeds contact_speeds() const;
+  double contact_step(const ContactSpeeds& speeds) const;
 
   const ModelInput& input_;
   Model model_;
@@ -105,9 +115,11 @@ class Simulation {
   Timers timers_;
   StepReduction reduction_;
   std::vector<ErosionRecord> eroded_now_;
+  std::vector<std::string> warnings_;
   ContactLoad load_;
   std::int64_t element_cycles_ = 0;
   double first_stable_ = 0.0;
+  double resumed_contact_step_ = 0.0;  // what contact allowed when the restart was written [s]; 0 if not resumed
   bool signalled_ = false;
 };
 

@@ -144,7 +144,14 @@ bool Binder::is_scalar(const Parameter& p, const Node& node) {
 
 // "Not contained" rather than "below or above": NaN is in no interval.
 bool Binder::check_range(const Parameter& p, const Origin& where, double value) {
-  if (p.range.contains(value)) return true;
+  if (p.range.contains(value)) {
+    if (!p.usual.contains(value))
+      diagnostics_.warning(
+          where, fmt::format("`{}` = {} is not usual; expected {}{}", p.name, quantity_text(value, p.unit),
+                             range_text(p.usual, p.unit),
+                             p.required || p.default_text.empty() ? "" : ", or leave it out for " + p.default_text));
+    return true;
+  }
   diagnostics_.error(where, fmt::format("`{}` = {} is out of range; expected {}", p.name, quantity_text(value, p.unit),
                                         range_text(p.range, p.unit)));
   return false;

@@ -64,6 +64,7 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
   origins.add("", top);
   Binder(registry, diagnostics, origins)
       .bind_block(Schema<ModelInput>::described<ModelInput>(), *root, model.get(), "", top);
+  model->end_origin = origins.find("time.end").text();
   return model;
 }
 

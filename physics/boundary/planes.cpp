@@ -18,16 +18,20 @@ std::string behind(const char* what, const BoundaryNode& node, double distance, 
 /// would cross the plane meets its mirror image there, and bounces off it.
 struct Symmetry final : NamedNodesBoundary {
   Vec3 point, normal;  // [m], [-]
-  double tolerance = 0.0;  // [m]
+  double tolerance = 0.0;  // zero until it is known [m]
 
   static void describe(Schema<Symmetry>& s) {
     describe_nodes(s);
     s.vector(&Symmetry::point, "point", "m", any_value, "a point on the plane").by_default("[0, 0, 0]");
     s.vector(&Symmetry::normal, "normal", "-", any_value,
              "normal of the plane, of any length, pointing to the side where the model is");
-    s.real(&Symmetry::tolerance, "tolerance", "m", positive, "distance within which a node lies on the plane")
-        .by_default("1.0e-9");
+    s.real(&Symmetry::tolerance, "tolerance", "m", positive,
+           "distance within which a node lies on the plane; by default a millionth of the shortest edge of the mesh")
+        .optional();
     s.rule("normal", "normal must not have zero length", [](const Symmetry& p) { return norm(p.normal) > 0.0; });
+  }
+  void prepare(const MeshScale& scale) override {
+    if (!(tolerance > 0.0)) tolerance = scale.tolerance();
   }
   Ask ask(Vec3 x) const override { return std::fabs(distance(x)) <= tolerance ? Ask::always : Ask::near_region; }
   HalfSpace region(double) const override { return {normal, dot(point, normal)}; }
@@ -59,6 +63,7 @@ struct Symmetry final : NamedNodesBoundary {
 struct RigidWall final : NamedNodesBoundary {
   Vec3 point, normal, velocity;  // [m], [-], [m/s]
   double friction = 0.0;  // [-]
+  double round_off = 0.0;  // of placing a node on the wall [m]
 
   static void describe(Schema<RigidWall>& s) {
     describe_nodes(s);
@@ -69,6 +74,7 @@ struct RigidWall final : NamedNodesBoundary {
     s.real(&RigidWall::friction, "friction", "-", non_negative, "coefficient of Coulomb friction").by_default("0");
     s.rule("normal", "normal must not have zero length", [](const RigidWall& w) { return norm(w.normal) > 0.0; });
   }
+  void prepare(const MeshScale& scale) override { round_off = scale.tolerance(); }
   Ask ask(Vec3) const override { return Ask::near_region; }
   HalfSpace region(double time) const override { return {normal, dot(point + velocity * time, normal)}; }
   Vec3 constrain(const BoundaryNode& node, const BoundaryStep& step, Vec3 v) const override {
@@ -87,8 +93,7 @@ struct RigidWall final : NamedNodesBoundary {
   }
   std::string complaint(const BoundaryNode& node) const override {
     const double gap = dot(node.position - point, normal) / norm(normal);
-    // A nanometre is the round-off of placing a mesh of metres; real penetrations are larger by far.
-    if (gap >= -1e-9) return {};
+    if (gap >= -round_off) return {};
     return behind("rigid wall", node, -gap, "move the part or the wall, or turn the wall's normal round");
   }
 };

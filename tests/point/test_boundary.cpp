@@ -87,6 +87,28 @@ TEST(Symmetry, ComplainsOfNodesOnTheOtherSide) {
   EXPECT_THAT(b->complaint(node_at(0, -1, 0)), ::testing::HasSubstr("node 7"));
 }
 
+/// Bodies of 25 nm and of 25 km alike: the cell has an edge of `edge`.
+TEST(Symmetry, ToleranceFollowsTheMesh) {
+  for (const double edge : {5e-9, 1e-3, 5e3}) {
+    const auto b = make_boundary("symmetry", "{normal: [0, 1, 0]}");
+    b->prepare({edge, 5.0 * edge});
+    EXPECT_TRUE(b->mirrors({edge, 1e-7 * edge, 0}));
+    EXPECT_FALSE(b->mirrors({edge, 1e-3 * edge, 0}));
+    EXPECT_EQ(b->complaint(node_at(0, -1e-7 * edge, 0)), "");
+    EXPECT_NE(b->complaint(node_at(0, -1e-3 * edge, 0)), "");
+  }
+  const auto given = make_boundary("symmetry", "{normal: [0, 1, 0], tolerance: 0.1}");
+  given->prepare({1e-3, 1.0});
+  EXPECT_TRUE(given->mirrors({0, 0.05, 0}));
+}
+
+TEST(RigidWall, ToleranceFollowsTheMesh) {
+  const auto b = make_boundary("rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 1]}");
+  b->prepare({5e-9, 25e-9});
+  EXPECT_EQ(b->complaint(node_at(0, 0, -1e-16)), "");
+  EXPECT_NE(b->complaint(node_at(0, 0, -1e-10)), "");
+}
+
 TEST(RigidWall, PutsANodeOnTheWallAndLetsItLeave) {
   const auto b = make_boundary("rigid_wall", "{point: [0, 0, 1], normal: [0, 0, 3]}");
   const BoundaryStep step{0.05, 0.1};

@@ -23,6 +23,15 @@ struct BoundaryStep {
   double dt = 0.0;  // from the start to the end of the step [s]
 };
 
+/// The size of the undeformed model, from which tolerances follow.
+struct MeshScale {
+  double shortest_edge = 0.0;  // of all elements [m]
+  double farthest = 0.0;  // greatest coordinate of all nodes, as an absolute value [m]
+
+  /// What is far below any cell, and above the round-off of placing its nodes [m].
+  double tolerance() const { return 1e-6 * shortest_edge + 16.0 * 0x1p-52 * farthest; }
+};
+
 /// The half-space dot(normal, x) < offset; `normal` need not be a unit vector.
 struct HalfSpace {
   Vec3 normal;
@@ -35,6 +44,8 @@ class Boundary : public Plugin {
  public:
   /// Parts or sets whose nodes are constrained; empty for all nodes.
   virtual std::vector<std::string> nodes() const = 0;
+  /// Takes note of the size of the model. Called once, on every rank, before anything else is asked.
+  virtual void prepare(const MeshScale&) {}
   /// Velocity of a node at time zero, given what it would be otherwise.
   virtual Vec3 initial(const BoundaryNode&, Vec3 velocity) const { return velocity; }
   /// When a node is to be asked, given where it was in the undeformed model.

@@ -79,6 +79,7 @@ struct Parameter {
   bool required = true;
   std::string default_text;  // as a user would write it; empty where absent means "not there"
   Range range;
+  Range usual;  // outside of it a value is allowed, with a warning
   std::vector<std::string> choices;
   std::string plugin_kind;
   std::function<const Description&()> nested;
@@ -134,6 +135,11 @@ class ParameterHandle {
   ParameterHandle& by_default(std::string text) {
     p_->required = false;
     p_->default_text = std::move(text);
+    return *this;
+  }
+  /// Values outside of this interval are taken, with a warning.
+  ParameterHandle& usual(Range range) {
+    p_->usual = range;
     return *this;
   }
   /// Not required, and nothing is set where it is absent.
