@@ -72,7 +72,7 @@ class Kernel {
   [[gnu::always_inline]] V first_step(const Work& w, int block, int lane, const Motion& k, V bulk, V shear,
                                       V rho) const {
     V dilatation{};
-    for (int i = 0; i < 3; ++i) dilatation += dot8(k.v[i], k.b[i]);
+    for (int i = 0; i < 3; ++i) dilatation += dot6(k.v[i], k.b[i]);
     const V closing = max_of(-dilatation / k.volume, V{});
     const V c2 = (bulk + Real(4.0 / 3.0) * shear) / rho;
     const V viscosity = linear_viscosity_ * sqrt_of(c2) + quadratic_viscosity_ * k.length * closing;
@@ -161,8 +161,11 @@ class Kernel {
   static void add_initial_forces(Work& w, int block, int lane, const Motion& k) {
     const V pressure = load_lanes(at(w.pressure, 1, block, 0, lane)) * static_cast<Real>(w.scale.per_quantum);
     V force[3][8];
-    for (int i = 0; i < 3; ++i)
-      for (int n = 0; n < 7; ++n) force[i][n] = pressure * k.b[i][n];
+    for (int i = 0; i < 3; ++i) {
+      V along[n_modes] = {};
+      for (int m = 0; m < n_gradient_modes; ++m) along[m] = pressure * k.b[i][m];
+      spread(along, force[i]);
+    }
     scatter_forces<false>(w, nodes_of(w, block, lane), force);
   }
 
@@ -317,7 +320,7 @@ class Kernel {
     measure(p.k);
     update_volume(w, block, lane, p, rows);
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) p.k.velocity_gradient[i][j] = dot8(p.k.v[i], p.k.b[j]) * p.per_volume;
+      for (int j = 0; j < 3; ++j) p.k.velocity_gradient[i][j] = dot6(p.k.v[i], p.k.b[j]) * p.per_volume;
     strain_of_step<Real>(p.k.velocity_gradient, static_cast<Real>(w.dt), p.good, rows.step, lane);
     for (int i = 0; i < 6; ++i) p.s[i] = load_lanes(at(w.deviator, 6, block, i, lane));
     rotate_rows<Real>(rows.step.rotation, lane, p.s);
@@ -479,13 +482,12 @@ class Kernel {
                                          Totals& totals) const {
     const Motion& k = p.k;
     V shape[3][4], rate[3][4];
-    for (int d = 0; d < 3; ++d) {
-      project_hourglass(k.x[d], shape[d]);
-      project_hourglass(k.v[d], rate[d]);
-    }
+    for (int d = 0; d < 3; ++d) std::copy_n(k.x[d] + first_hourglass, 4, shape[d]);
     for (int i = 0; i < 3; ++i)
-      for (int a = 0; a < 4; ++a)
+      for (int a = 0; a < 4; ++a) {
+        rate[i][a] = k.v[i][first_hourglass + a];
         for (int j = 0; j < 3; ++j) rate[i][a] -= k.velocity_gradient[i][j] * shape[j][a];
+      }
 
     V resist[3][4];
     if (stiffness_)
@@ -503,13 +505,14 @@ class Kernel {
         for (int a = 0; a < 4; ++a) correction += resist[i][a] * shape[j][a];
         sigma[i][j] = (sigma[i][j] - correction * p.per_volume) * scale;
       }
-      V g[4];
-      for (int a = 0; a < 4; ++a) g[a] = resist[i][a] * scale;
-      spread_hourglass(g, force[i]);
-      for (int n = 0; n < 7; ++n) {
-        force[i][n] = -(force[i][n] + sigma[i][0] * k.b[0][n] + sigma[i][1] * k.b[1][n] + sigma[i][2] * k.b[2][n]);
-        size += abs_of(force[i][n]);
+      V along[n_modes];
+      along[xi_eta_zeta] = -(resist[i][3] * scale);
+      for (int m = 0; m < n_gradient_modes; ++m) {
+        along[m] = -(sigma[i][0] * k.b[0][m] + sigma[i][1] * k.b[1][m] + sigma[i][2] * k.b[2][m]);
+        if (m >= first_hourglass) along[m] -= resist[i][m - first_hourglass] * scale;
       }
+      spread(along, force[i]);
+      for (int n = 0; n < 7; ++n) size += abs_of(force[i][n]);
     }
     const std::int32_t* nodes = nodes_of(w, block, lane);
     if (mask_of(size < static_cast<Real>(small_limit)) == all_lanes_of<Real>) [[likely]]
@@ -549,12 +552,13 @@ class Kernel {
   [[gnu::noinline]] static V largest_shape(const Piece& p, const V (&shape)[3][4]) {
     const Motion& k = p.k;
     V base[3][4], s[3][4], r[3][4];  // of the gradient; shape per volume; gradient along the shape vectors
-    for (int i = 0; i < 3; ++i) project_hourglass(k.b[i], base[i]);
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a) base[i][a] = a < 3 ? Real(8.0) * k.b[i][first_hourglass + a] : V{};
     for (int i = 0; i < 3; ++i)
       for (int a = 0; a < 4; ++a) s[i][a] = shape[i][a] * p.per_volume;
     for (int i = 0; i < 3; ++i) {
       V m[3];
-      for (int j = 0; j < 3; ++j) m[j] = dot8(k.b[i], k.b[j]);
+      for (int j = 0; j < 3; ++j) m[j] = k.product(i, j);
       for (int a = 0; a < 4; ++a) r[i][a] = base[i][a] - (m[0] * s[0][a] + m[1] * s[1][a] + m[2] * s[2][a]);
     }
     V norm2{};

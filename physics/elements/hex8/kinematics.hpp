@@ -10,70 +10,84 @@
 
 namespace kerf::hex8 {
 
-// Node renumberings under which the expression for the first node's gradient gives every other node's
-// (Flanagan & Belytschko 1981, table 3).
-inline constexpr int renumbered[8][8] = {{0, 1, 2, 3, 4, 5, 6, 7}, {1, 2, 3, 0, 5, 6, 7, 4}, {2, 3, 0, 1, 6, 7, 4, 5},
-                                         {3, 0, 1, 2, 7, 4, 5, 6}, {4, 7, 6, 5, 0, 3, 2, 1}, {5, 4, 7, 6, 1, 0, 3, 2},
-                                         {6, 5, 4, 7, 2, 1, 0, 3}, {7, 6, 5, 4, 3, 2, 1, 0}};
+// Nodal values are handled as sums over the nodes along seven base vectors: signs that vary with the natural
+// coordinates xi, eta, zeta (where a node has -1 or 1) and with their products. The eighth vector, of ones, is left
+// out: what moves all nodes alike does no work. The last four are the hourglass base vectors of Flanagan & Belytschko
+// (1981, table 1), (1 1 -1 -1 -1 -1 1 1), (1 -1 -1 1 -1 1 1 -1), (1 -1 1 -1 1 -1 1 -1), (-1 1 -1 1 1 -1 1 -1).
+enum Mode : int { along_xi, along_eta, along_zeta, eta_zeta, zeta_xi, xi_eta, xi_eta_zeta };
+inline constexpr int n_modes = 7, first_hourglass = eta_zeta;
+inline constexpr int n_gradient_modes = 6;  // the gradient has nothing along the last
 
-/// Integral of dN/dx over the element, for all nodes (Flanagan & Belytschko 1981, eq. 79); cyclic in x, y, z.
+/// Sums over the nodes of value times base vector.
+template <class V>
+[[gnu::always_inline]] inline void project(const V (&a)[8], V (&m)[n_modes]) {
+  const V s01 = a[1] + a[0], d01 = a[1] - a[0], s23 = a[2] + a[3], d23 = a[2] - a[3];
+  const V s45 = a[5] + a[4], d45 = a[5] - a[4], s67 = a[6] + a[7], d67 = a[6] - a[7];
+  const V along0 = d01 + d23, along1 = d45 + d67;  // xi, on the faces zeta = -1 and 1
+  const V across0 = s23 - s01, across1 = s67 - s45;  // eta
+  const V twist0 = d23 - d01, twist1 = d67 - d45;  // xi eta
+  m[along_xi] = along0 + along1;
+  m[along_eta] = across0 + across1;
+  m[along_zeta] = (s45 + s67) - (s01 + s23);
+  m[eta_zeta] = across1 - across0;
+  m[zeta_xi] = along1 - along0;
+  m[xi_eta] = twist0 + twist1;
+  m[xi_eta_zeta] = twist1 - twist0;
+}
+
+/// Sum over the base vectors of m times vector, for all nodes but the last: the transpose of `project`.
+template <class V>
+[[gnu::always_inline]] inline void spread(const V (&m)[n_modes], V (&f)[8]) {
+  const V along0 = m[along_xi] - m[zeta_xi], along1 = m[along_xi] + m[zeta_xi];
+  const V across0 = m[along_eta] - m[eta_zeta], across1 = m[along_eta] + m[eta_zeta];
+  const V twist0 = m[xi_eta] - m[xi_eta_zeta], twist1 = m[xi_eta] + m[xi_eta_zeta];
+  const V even0 = twist0 - m[along_zeta], even1 = twist1 + m[along_zeta];
+  const V odd0 = -m[along_zeta] - twist0, odd1 = m[along_zeta] - twist1;
+  f[0] = even0 - (along0 + across0);
+  f[1] = odd0 + (along0 - across0);
+  f[2] = even0 + (along0 + across0);
+  f[3] = odd0 - (along0 - across0);
+  f[4] = even1 - (along1 + across1);
+  f[5] = odd1 + (along1 - across1);
+  f[6] = even1 + (along1 + across1);
+}
+
+/// Scalar product of the first six entries.
+template <class V, int n, int m>
+[[gnu::always_inline]] inline V dot6(const V (&a)[n], const V (&b)[m]) {
+  return (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5]);
+}
+
+/// The mean gradient (Flanagan & Belytschko 1981, eq. 79), along the base vectors: derivative of the volume by the x
+/// of a mode; cyclic in x, y, z. Sixty-four times the volume is [xi, eta, zeta] + ([zeta xi, eta zeta, zeta] +
+/// [xi eta, eta, eta zeta] + [xi, xi eta, zeta xi]) / 3, with the triple products of three modes' (x, y, z): the
+/// integral over xi, eta, zeta of the Jacobian's determinant leaves just these.
 template <class Real>
-[[gnu::always_inline]] inline void integrate_gradient(const LanesOf<Real> (&y)[8], const LanesOf<Real> (&z)[8],
-                                                      LanesOf<Real> (&b)[8]) {
-#pragma GCC unroll 8
-  for (int i = 0; i < 8; ++i) {
-    const int* n = renumbered[i];
-    b[i] =
-        (y[n[1]] * ((z[n[5]] - z[n[2]]) - (z[n[3]] - z[n[4]])) + y[n[2]] * (z[n[1]] - z[n[3]]) +
-         y[n[3]] * ((z[n[2]] - z[n[7]]) - (z[n[4]] - z[n[1]])) + y[n[4]] * ((z[n[7]] - z[n[5]]) - (z[n[1]] - z[n[3]])) +
-         y[n[5]] * (z[n[4]] - z[n[1]]) + y[n[7]] * (z[n[3]] - z[n[4]])) *
-        Real(1.0 / 12.0);
-  }
+[[gnu::always_inline]] inline void mean_gradient(const LanesOf<Real> (&y)[n_modes], const LanesOf<Real> (&z)[n_modes],
+                                                 LanesOf<Real> (&b)[n_gradient_modes]) {
+  const auto cross = [&](int m, int n) __attribute__((always_inline)) { return y[m] * z[n] - y[n] * z[m]; };
+  constexpr Real linear = 1.0 / 64.0, twisted = 1.0 / 192.0;
+  b[along_xi] = linear * cross(along_eta, along_zeta) + twisted * cross(xi_eta, zeta_xi);
+  b[along_eta] = linear * cross(along_zeta, along_xi) + twisted * cross(eta_zeta, xi_eta);
+  b[along_zeta] = linear * cross(along_xi, along_eta) + twisted * cross(zeta_xi, eta_zeta);
+  b[eta_zeta] = twisted * (cross(along_zeta, zeta_xi) + cross(xi_eta, along_eta));
+  b[zeta_xi] = twisted * (cross(eta_zeta, along_zeta) + cross(along_xi, xi_eta));
+  b[xi_eta] = twisted * (cross(along_eta, eta_zeta) + cross(zeta_xi, along_xi));
 }
 
-template <class V>
-[[gnu::always_inline]] inline V dot8(const V (&a)[8], const V (&b)[8]) {
-  const V even = a[0] * b[0] + a[2] * b[2] + a[4] * b[4] + a[6] * b[6];
-  const V odd = a[1] * b[1] + a[3] * b[3] + a[5] * b[5] + a[7] * b[7];
-  return even + odd;
-}
-
-/// Projections of a nodal field on the four hourglass base vectors (Flanagan & Belytschko 1981, eq. 25 and table 1):
-/// (1 1 -1 -1 -1 -1 1 1), (1 -1 -1 1 -1 1 1 -1), (1 -1 1 -1 1 -1 1 -1), (-1 1 -1 1 1 -1 1 -1).
-template <class V>
-[[gnu::always_inline]] inline void project_hourglass(const V (&a)[8], V (&g)[4]) {
-  const V s01 = a[0] + a[1], d01 = a[0] - a[1], s23 = a[2] + a[3], d23 = a[2] - a[3];
-  const V s45 = a[4] + a[5], d45 = a[4] - a[5], s67 = a[6] + a[7], d67 = a[6] - a[7];
-  g[0] = (s01 - s23) - (s45 - s67);
-  g[1] = (d01 - d23) - (d45 - d67);
-  g[2] = (d01 + d23) + (d45 + d67);
-  g[3] = (d45 + d67) - (d01 + d23);
-}
-
-/// Sum over the base vectors of g * base, per node: the transpose of project_hourglass.
-template <class V>
-[[gnu::always_inline]] inline void spread_hourglass(const V (&g)[4], V (&f)[8]) {
-  const V a = g[1] + g[2], b = g[2] - g[1], p = g[0] - g[3], m = g[0] + g[3];
-  f[0] = p + a;
-  f[1] = m - a;
-  f[2] = b - m;
-  f[3] = -p - b;
-  const V q = g[3] - g[0], r = -g[0] - g[3];
-  f[4] = q + b;
-  f[5] = r - b;
-  f[6] = a + m;
-  f[7] = p - a;
-}
-
-/// Geometry and motion of one piece of a block at the end of a step.
+/// Geometry and motion of one piece of a block at the end of a step; positions x, velocities v and the gradient b
+/// along the base vectors.
 template <class Real>
 struct Kinematics {
   using V = LanesOf<Real>;
-  V x[3][8], v[3][8], b[3][8];
+  V x[3][n_modes], v[3][n_modes], b[3][n_gradient_modes];
   V volume, velocity_gradient[3][3];  // the latter with respect to the end of the step [1/s]
   V gradient_norm;  // sum of all B squared [m4]
   Lanes exact_volume[n_wide<Real>];  // the same as `volume`, in double precision
   V length;  // V / sqrt(2 lambda_max(B B^T)): the length of the stable step [m]
+
+  /// Sum over the nodes of B_i B_j; base vectors have eight entries.
+  [[gnu::always_inline]] V product(int i, int j) const { return Real(8.0) * dot6(b[i], b[j]); }
 };
 
 /// `nodes` are those of the piece's first lane. Positions are relative to the first node, so that the volume of a small
@@ -81,14 +95,17 @@ struct Kinematics {
 /// before they are rounded.
 [[gnu::always_inline]] inline void gather(const double* position, const double* velocity, const std::int32_t* nodes,
                                           Kinematics<double>& k) {
+  Lanes x[3][8], v[3][8];
 #pragma GCC unroll 8
   for (int i = 0; i < 8; ++i) {
-    gather_vector(position, nodes + lane_width * i, k.x[0][i], k.x[1][i], k.x[2][i]);
-    gather_vector(velocity, nodes + lane_width * i, k.v[0][i], k.v[1][i], k.v[2][i]);
+    gather_vector(position, nodes + lane_width * i, x[0][i], x[1][i], x[2][i]);
+    gather_vector(velocity, nodes + lane_width * i, v[0][i], v[1][i], v[2][i]);
   }
   for (int d = 0; d < 3; ++d) {
-    const Lanes first = k.x[d][0];
-    for (int i = 0; i < 8; ++i) k.x[d][i] -= first;
+    const Lanes first = x[d][0];
+    for (int i = 0; i < 8; ++i) x[d][i] -= first;
+    project(x[d], k.x[d]);
+    project(v[d], k.v[d]);
   }
 }
 /// Volume of the element, of corners relative to the first one (J. Grandy, "Efficient computation of volume of
@@ -114,6 +131,7 @@ struct Kinematics {
                                           Kinematics<float>& k) {
   constexpr int n = n_wide<float>;
   Lanes x[n][8][3], v0[n][3];
+  SingleLanes short_x[3][8], short_v[3][8];
 #pragma GCC unroll 8
   for (int i = 0; i < 8; ++i) {
     Lanes v[n][3];
@@ -125,7 +143,7 @@ struct Kinematics {
     for (int d = 0; d < 3; ++d) {
       if (i == 0) {
         for (int part = 0; part < n; ++part) v0[part][d] = v[part][d];
-        k.x[d][0] = k.v[d][0] = SingleLanes{};
+        short_x[d][0] = short_v[d][0] = SingleLanes{};
         continue;
       }
       Lanes wide_x[n], wide_v[n];
@@ -133,9 +151,13 @@ struct Kinematics {
         wide_x[part] = x[part][i][d] -= x[part][0][d];
         wide_v[part] = v[part][d] - v0[part][d];
       }
-      k.x[d][i] = narrowed(wide_x);
-      k.v[d][i] = narrowed(wide_v);
+      short_x[d][i] = narrowed(wide_x);
+      short_v[d][i] = narrowed(wide_v);
     }
+  }
+  for (int d = 0; d < 3; ++d) {
+    project(short_x[d], k.x[d]);
+    project(short_v[d], k.v[d]);
   }
   for (int part = 0; part < n; ++part) k.exact_volume[part] = volume_of(x[part]);
   k.volume = narrowed(k.exact_volume);
@@ -165,12 +187,12 @@ template <class Real>
 template <class Real>
 [[gnu::always_inline]] inline void measure(Kinematics<Real>& k) {
   using V = LanesOf<Real>;
-  integrate_gradient<Real>(k.x[1], k.x[2], k.b[0]);
-  integrate_gradient<Real>(k.x[2], k.x[0], k.b[1]);
-  integrate_gradient<Real>(k.x[0], k.x[1], k.b[2]);
-  if constexpr (std::is_same_v<Real, double>) k.exact_volume[0] = k.volume = dot8(k.x[0], k.b[0]);
-  const V xx = dot8(k.b[0], k.b[0]), yy = dot8(k.b[1], k.b[1]), zz = dot8(k.b[2], k.b[2]);
-  const V xy = dot8(k.b[0], k.b[1]), yz = dot8(k.b[1], k.b[2]), zx = dot8(k.b[2], k.b[0]);
+  mean_gradient<Real>(k.x[1], k.x[2], k.b[0]);
+  mean_gradient<Real>(k.x[2], k.x[0], k.b[1]);
+  mean_gradient<Real>(k.x[0], k.x[1], k.b[2]);
+  if constexpr (std::is_same_v<Real, double>) k.exact_volume[0] = k.volume = dot6(k.x[0], k.b[0]);
+  const V xx = k.product(0, 0), yy = k.product(1, 1), zz = k.product(2, 2);
+  const V xy = k.product(0, 1), yz = k.product(1, 2), zx = k.product(2, 0);
   k.gradient_norm = xx + yy + zz;
   if constexpr (std::is_same_v<Real, double>) {
     k.length = k.volume / sqrt_of(2.0 * largest_eigenvalue<double>(xx, yy, zz, xy, yz, zx) + tiny<double>);
