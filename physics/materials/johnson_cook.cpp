@@ -139,7 +139,7 @@ struct JohnsonCook final : Material {
 #pragma omp simd
       for (int l = 0; l < lane_width; ++l) {
         const double d = max_of(k.d[l], 1e-60), total = strain[l] + d;
-        const double log_rate = kerf::log(d * per_reference);
+        const double log_rate = positive_log(d * per_reference);
         const double hardening = B * positive_power(total, n);
         const double rate = 1.0 + C * max_of(log_rate, 0.0);
         const double residual = 3.0 * G * d + (A + hardening) * rate * k.softening[l] - k.q[l];

@@ -58,6 +58,8 @@ const std::vector<Function> functions = {
     {"expm1", KERF_BOTH(expm1), 1.5, [](Random& r) { return r.over_magnitudes(-60, 7); }},
     {"log", KERF_BOTH(log), 0.9, [](Random& r) { return std::fabs(r.over_magnitudes(-1073, 1024)); }},
     {"log near 1", KERF_BOTH(log), 0.9, [](Random& r) { return 1.0 + r.over_magnitudes(-52, -1); }},
+    {"positive_log", [](double x) { return kerf::positive_log(x); }, [](long double x) { return std::log(x); }, 0.9,
+     [](Random& r) { return std::fabs(r.over_magnitudes(-1022, 1024)); }},
     {"log10", KERF_BOTH(log10), 2.0, [](Random& r) { return std::fabs(r.over_magnitudes(-40, 40)); }},
     {"sin", KERF_BOTH(sin), 0.9, [](Random& r) { return r.over_magnitudes(-30, 20); }},
     {"cos", KERF_BOTH(cos), 0.9, [](Random& r) { return r.over_magnitudes(-30, 20); }},
@@ -238,6 +240,7 @@ TEST(Functions, BitsAreTheSameInEveryLaneOnEveryMachine) {
   EXPECT_EQ(hash_of_results(-9.0, 9.0, KERF_CALL(kerf::atan2(x, 1.5))), 10404280043486985427u);
   EXPECT_EQ(hash_of_results(-9.0, 9.0, KERF_CALL(kerf::atan2(1.5, x))), 3966824295911132734u);
   EXPECT_EQ(hash_of_results(-9.0, 9.0, KERF_CALL(kerf::tanh(x))), 1171361533096750757u);
+  EXPECT_EQ(hash_of_results(0.01, 3.0, KERF_CALL(kerf::positive_log(x))), 8933686703149552589u);
   EXPECT_EQ(hash_of_results(0.01, 3.0, KERF_CALL(kerf::positive_power(x, 0.168))), 13491339412185772357u);
   EXPECT_EQ(hash_of_results(-1.0, 1.0, KERF_CALL(kerf::hypot(x, 0.3))), 12656303999661781037u);
   EXPECT_EQ(hash_of_results(-80.0, 80.0, KERF_CALL(kerf::exp(static_cast<float>(x)))), 3820431275085559589u);

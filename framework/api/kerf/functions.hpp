@@ -159,13 +159,21 @@ constexpr double log_result(double x, double result) {
   return select(x > 700.0, exp(x), select(x == 0.0, x, power * e.tail + (power - 1.0)));
 }
 
+namespace detail {
+[[gnu::always_inline]] constexpr double log_of(const LogParts& x) {
+  constexpr double ln2_high = 0x1.62e42fefa2p-1, ln2_low = 0x1.9ef35793c7673p-41;
+  const double half = 0.5 * x.f * x.f;
+  return x.k * ln2_high - ((half - (log_curve(x.f, half) + x.k * ln2_low)) - x.f);
+}
+}  // namespace detail
+
 /// 0.9 units in the last place.
 [[gnu::always_inline]] constexpr double log(double x) {
-  constexpr double ln2_high = 0x1.62e42fefa2p-1, ln2_low = 0x1.9ef35793c7673p-41;
-  const auto [k, f] = detail::log_parts(x);
-  const double half = 0.5 * f * f;
-  const double result = k * ln2_high - ((half - (detail::log_curve(f, half) + k * ln2_low)) - f);
-  return detail::log_result(x, result);
+  return detail::log_result(x, detail::log_of(detail::log_parts(x)));
+}
+/// The same for x that are positive and normal, at four fifths of the cost.
+[[gnu::always_inline]] constexpr double positive_log(double x) {
+  return detail::log_of(detail::log_parts_of_normal(x));
 }
 
 /// 2 units in the last place.
