@@ -108,7 +108,7 @@ class Lookout final : public StepObserver {
     ++report_.n_looks;
     report_.n_ends_inside = 0;
     const BruteContact brute(global, model.parts, *model.input->contacts.front());
-    for (const Intruder& i : brute.intruders(model.quanta.force, step.dt)) note(i, step);
+    for (const Intruder& i : brute.intruders()) note(i, step);
   }
 
  private:
