@@ -179,9 +179,12 @@ def campaign(short=False):
         sets = [(i, *types[i % len(types)]) for i in range(80 if short else 10000)]
         models = [(i, kind, name, one_set(schema, kind, name, chance)) for i, kind, name in sets]
         tried = workers.map(lambda s: (s, *try_set(folder, s[0], s[3])), models)
-        for (i, kind, name, model), code, wrong in tried:
-            if wrong:
-                report.failed(f"{i}: {kind} {name}: {as_yaml(model)}", wrong)
-            else:
-                report.passed(f"{kind}: {names[code]}")
+        try:
+            for (i, kind, name, model), code, wrong in tried:
+                if wrong:
+                    report.failed(f"{i}: {kind} {name}: {as_yaml(model)}", wrong)
+                else:
+                    report.passed(f"{kind}: {names[code]}")
+        finally:
+            workers.shutdown(cancel_futures=True)  # where the campaign is interrupted
     return report
