@@ -124,7 +124,7 @@ class Polyhedron {
     std::array<std::pair<double, int>, Polygon::capacity> order;
     for (int k = 0; k < cap.n; ++k) {
       const Vec3 d = cap.at(k) - centre;
-      order[static_cast<std::size_t>(k)] = {std::atan2(dot(d, e2), dot(d, e1)), k};
+      order[static_cast<std::size_t>(k)] = {kerf::atan2(dot(d, e2), dot(d, e1)), k};
     }
     std::sort(order.begin(), order.begin() + cap.n);
     const Polygon unsorted = cap;

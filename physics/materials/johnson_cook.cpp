@@ -101,12 +101,10 @@ struct JohnsonCook final : Material {
     double dt;  // [s]
   };
 
-  /// x^exponent, 0 where x <= 1e-60. Pre: exponent > 0. select keeps zeros and underflow, which are slow, from log
-  /// and exp.
+  /// x^exponent, 0 where x <= 1e-60. Pre: exponent > 0.
   static double power(double x, double exponent) {
     const bool some = x > 1e-60;
-    const double argument = exponent * kerf::log(select(some, x, 1.0));
-    return select(some, kerf::exp(select(argument > -600.0, argument, -600.0)), 0.0);
+    return select(some, positive_power(select(some, x, 1.0), exponent), 0.0);
   }
 
   /// (i) Elastic predictor and (ii) admissibility, at the temperature of the start of the step and at the reference
@@ -142,7 +140,7 @@ struct JohnsonCook final : Material {
       for (int l = 0; l < lane_width; ++l) {
         const double d = max_of(k.d[l], 1e-60), total = strain[l] + d;
         const double log_rate = kerf::log(d * per_reference);
-        const double hardening = B * kerf::exp(n * kerf::log(total));
+        const double hardening = B * positive_power(total, n);
         const double rate = 1.0 + C * max_of(log_rate, 0.0);
         const double residual = 3.0 * G * d + (A + hardening) * rate * k.softening[l] - k.q[l];
         const double slope =

@@ -104,8 +104,7 @@ inline LanesInt round_to_int(Lanes a) {
 }
 /// The same where |a| < small_limit.
 inline LanesInt round_small_to_int(Lanes a) { return round_to_int(a); }
-/// Bit l is set where lane l of a comparison's result is true.
-inline unsigned mask_of(LanesInt comparison) { return _mm512_movepi64_mask(reinterpret_cast<__m512i>(comparison)); }
+inline unsigned mask_of_ints(LanesInt comparison) { return _mm512_movepi64_mask(reinterpret_cast<__m512i>(comparison)); }
 
 #else
 
@@ -118,7 +117,7 @@ inline LanesInt round_small_to_int(Lanes a) {
 #ifdef __AVX2__
 
 inline Lanes sqrt_of(Lanes a) { return reinterpret_cast<Lanes>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(a))); }
-inline unsigned mask_of(LanesInt comparison) {
+inline unsigned mask_of_ints(LanesInt comparison) {
   return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(comparison)));
 }
 /// Nearest integer, ties to even. Pre: |a| < 2^62.
@@ -139,7 +138,7 @@ inline Lanes sqrt_of(Lanes a) {
   for (int l = 0; l < register_lanes; ++l) r[l] = std::sqrt(a[l]);
   return r;
 }
-inline unsigned mask_of(LanesInt comparison) {
+inline unsigned mask_of_ints(LanesInt comparison) {
   unsigned mask = 0;
   for (int l = 0; l < register_lanes; ++l) mask |= (comparison[l] != 0 ? 1u : 0u) << l;
   return mask;
@@ -158,7 +157,7 @@ inline LanesInt round_to_int(Lanes a) {
 inline SingleLanes sqrt_of(SingleLanes a) {
   return reinterpret_cast<SingleLanes>(_mm256_sqrt_ps(reinterpret_cast<__m256>(a)));
 }
-inline unsigned mask_of(SingleLanesInt comparison) {
+inline unsigned mask_of_ints(SingleLanesInt comparison) {
   return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(comparison)));
 }
 #else
@@ -167,12 +166,25 @@ inline SingleLanes sqrt_of(SingleLanes a) {
   for (int l = 0; l < single_lanes; ++l) r[l] = std::sqrt(a[l]);
   return r;
 }
-inline unsigned mask_of(SingleLanesInt comparison) {
+inline unsigned mask_of_ints(SingleLanesInt comparison) {
   unsigned mask = 0;
   for (int l = 0; l < single_lanes; ++l) mask |= (comparison[l] != 0 ? 1u : 0u) << l;
   return mask;
 }
 #endif
+
+/// Bit l is set where lane l of a comparison's result is true. Compilers disagree on the type of the result: it is a
+/// vector of some integers of the size of the numbers compared.
+template <class Comparison>
+[[gnu::always_inline]] inline unsigned mask_of(Comparison comparison) {
+  if constexpr (sizeof comparison[0] == sizeof(std::int64_t)) {
+    static_assert(sizeof comparison == sizeof(LanesInt));
+    return mask_of_ints(reinterpret_cast<LanesInt>(comparison));
+  } else {
+    static_assert(sizeof comparison == sizeof(SingleLanesInt));
+    return mask_of_ints(reinterpret_cast<SingleLanesInt>(comparison));
+  }
+}
 
 inline constexpr double small_limit = 0x1p51;  // of round_small_to_int
 template <class Real>

@@ -40,7 +40,7 @@ struct Swift final : PointwiseMaterial<Swift> {
     // points of a block alike; one that has converged stays where it is.
     double d = 0.0;
     for (int i = 0; i < iterations; ++i) {
-      const double total = e0 + old_strain + d, flow = K * std::pow(total, n);
+      const double total = e0 + old_strain + d, flow = K * kerf::pow(total, n);
       const double residual = q - 3.0 * G * d - flow;
       const bool moves = yields & (residual > 1e-14 * q);
       d += select(moves, residual / (3.0 * G + n * flow / total), 0.0);
@@ -54,7 +54,7 @@ struct Swift final : PointwiseMaterial<Swift> {
  private:
   static constexpr int iterations = 10;  // three in steady flow; up to nine where flow begins at a small e0
 
-  double flow_stress(double plastic_strain) const { return K * std::pow(e0 + plastic_strain, n); }
+  double flow_stress(double plastic_strain) const { return K * kerf::pow(e0 + plastic_strain, n); }
 };
 
 }  // namespace

@@ -1,0 +1,142 @@
+"""Five small models, and the state hashes that they have to end with on every x86-64 machine and from every compiler.
+
+    python tests/regression/stored_hashes.py            runs them and shows which hashes differ from hashes.json
+    python tests/regression/stored_hashes.py --renew    writes hashes.json anew, after a change of physics on purpose
+
+The program is KERF_BINARY, or build/bin/kerf. Between them the models use every material, equation of state, erosion
+criterion, contact, boundary and generator, both precisions and both forms of hourglass control.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+KERF = Path(os.environ.get("KERF_BINARY", SOURCE / "build" / "bin" / "kerf")).resolve()
+STORED = Path(__file__).with_name("hashes.json")
+
+STEEL = {"type": "elastic_plastic", "shear_modulus": "80 GPa", "yield_stress": "1 GPa", "hardening_modulus": "0.3 GPa"}
+JOHNSON_COOK = {"type": "johnson_cook", "shear_modulus": "46 GPa", "A": "90 MPa", "B": "292 MPa", "n": 0.31,
+                "C": 0.025, "m": 1.09, "specific_heat": 383, "melting_temperature": "1356 K"}
+COPPER = {"type": "mie_gruneisen", "c0": 3940, "s": 1.489, "gamma0": 1.99, "gamma_slope": 0.47}
+WATER = {"type": "linear_polynomial", "C1": "2.2 GPa", "C2": "9.5 GPa", "C3": "14.6 GPa", "C4": 0.28, "C5": 0.28,
+         "tension_limit": "1 MPa"}
+LINEAR = {"type": "linear", "bulk_modulus": "160 GPa"}
+
+
+def block(material, size, cells, **more):
+    return {"material": material, "mesh": {"type": "block", "size": size, "cells": cells}, **more}
+
+
+def copper_bar(precision, hourglass):
+    """A bar with an ogival nose and an oblique axis bounces off a wall with friction and spins."""
+    return {
+        "title": "bar", "precision": precision, "time": {"end": "12 us"},
+        "materials": {"copper": {"density": "8960 kg/m3", "strength": JOHNSON_COOK, "eos": COPPER}},
+        "parts": {"bar": {
+            "material": "copper", "element": {"type": "hex8", "hourglass": hourglass},
+            "mesh": {"type": "cylinder", "radius": "2 mm", "length": "9 mm", "cell_size": "0.7 mm",
+                     "nose": {"type": "ogival", "caliber_radius_head": 2.0}},
+            "placement": [{"angle": "170 deg", "axis": [1, 0.2, 0]}, {"translate": "0 0 9.2 mm"}]}},
+        "boundaries": [
+            {"type": "initial_velocity", "nodes": ["bar"], "velocity": "10 0 -220 m/s",
+             "angular_velocity": [0, 0, 3000]},
+            {"type": "rigid_wall", "point": [0, 0, 0], "normal": [0, 0, 1], "friction": 0.2}],
+    }
+
+
+def perforation(precision, hourglass):
+    """A blunt rod goes through the corner of a plate obliquely; both erode, by three criteria."""
+    return {
+        "title": "perforation", "precision": precision, "time": {"end": "12 us"},
+        "materials": {
+            "rod": {"density": 7850, "strength": STEEL, "eos": LINEAR, "erosion": {"criteria": [
+                {"type": "geometric_strain", "limit": 0.7}, {"type": "inversion"},
+                {"type": "minimum_time_step", "limit": "75 ns"}]}},
+            "plate": {"density": 7850, "strength": STEEL, "eos": LINEAR, "erosion": {"criteria": [
+                {"type": "plastic_strain", "limit": 0.5}, {"type": "inversion", "limit": 0.93}]}}},
+        "parts": {
+            "rod": {"material": "rod", "element": {"type": "hex8", "hourglass": hourglass}, "velocity": "400 0 -1200 m/s",
+                    "mesh": {"type": "cylinder", "radius": "2 mm", "length": "10 mm", "cell_size": "1 mm"},
+                    "placement": [{"angle": "17 deg", "axis": [0, 1, 0]}, {"translate": "5 5 2.8 mm"}]},
+            "plate": block("plate", "12 10 2 mm", [12, 10, 2])},
+        "sets": {"rim": {"parts": ["plate"], "face": "x_min"}},
+        "boundaries": [{"type": "fixed", "nodes": ["rim"]}],
+        "contacts": [{"type": "eroding_surface", "friction": 0.1}],
+        "checks": {"energy_growth": 0.5},
+    }
+
+
+def spall_and_splash():
+    """A steel plate that is driven strikes water over an elastic plate; another steel plate spalls in tension."""
+    return {
+        "title": "spall and splash", "time": {"end": "4 us"},
+        "materials": {
+            "brittle": {"density": 7850, "strength": STEEL, "eos": LINEAR,
+                        "erosion": {"criteria": [{"type": "tensile_stress", "limit": "2 GPa"}]}},
+            "elastic": {"density": 2700, "strength": {"type": "elastic", "shear_modulus": "26 GPa"},
+                        "eos": {"type": "linear", "bulk_modulus": "70 GPa"}},
+            "water": {"density": 1000, "strength": {"type": "hydrodynamic"}, "eos": WATER}},
+        "parts": {
+            "base": block("elastic", "4 3 2 mm", [6, 4, 3]),
+            "water": {"material": "water", "velocity": "0 0 -50 m/s",
+                      "mesh": {"type": "block", "origin": "0 0 2.01 mm", "size": "4 3 2 mm", "cell_size": "1 mm",
+                               "grading_z": [{"to": "2 mm", "cells": 4, "ratio": 0.5}]}},
+            "driven": {"material": "elastic", "mesh": {
+                "type": "block", "origin": "0.3 0.2 4.02 mm", "size": "3.4 2.6 1 mm", "cells": [4, 3, 2]}},
+            "flyer": {"material": "brittle", "velocity": "0 0 -600 m/s", "mesh": {
+                "type": "block", "origin": "10 0 4.05 mm", "size": "3 3 2 mm", "cells": [3, 3, 5]}},
+            "target": {"material": "brittle", "mesh": {
+                "type": "block", "origin": "10 0 0 mm", "size": "3 3 4 mm", "cells": [3, 3, 10]}}},
+        "sets": {"top": {"parts": ["driven"], "face": "z_max"}},
+        "boundaries": [
+            {"type": "symmetry", "normal": [0, 0, 1]},
+            {"type": "prescribed_motion", "nodes": ["top"], "velocity": "0 0 -80 m/s"}],
+        "contacts": [
+            {"type": "slide_surface", "slave": ["water"], "master": ["base", "driven"], "symmetric": True},
+            {"type": "eroding_surface", "parts": ["flyer", "target"]}],
+        "checks": {"energy_growth": 0.5},
+    }
+
+
+MODELS = {
+    "bar": copper_bar("double", "viscous"),
+    "bar_single": copper_bar("single", "stiffness"),
+    "perforation": perforation("double", "stiffness"),
+    "perforation_single": perforation("single", "viscous"),
+    "spall_and_splash": spall_and_splash(),
+}
+
+
+def summary_of(name, folder, environment=None):
+    """Runs a model; its summary."""
+    folder = Path(folder) / name
+    folder.mkdir()
+    model = folder / "input.yaml"
+    model.write_text(json.dumps(MODELS[name], indent=1))  # JSON is YAML
+    done = subprocess.run([str(KERF), "run", str(model), "--output", str(folder)], capture_output=True, text=True,
+                          timeout=300, env={**os.environ, **(environment or {})})
+    if done.returncode != 0:
+        raise RuntimeError(f"{name}:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
+    return json.loads((folder / "summary.json").read_text())
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        hashes = {name: summary_of(name, folder)["state_hash"] for name in MODELS}
+    stored = json.loads(STORED.read_text()) if STORED.exists() else {}
+    differing = [name for name in MODELS if hashes[name] != stored.get(name)]
+    for name in MODELS:
+        print(f"{name:<20} {hashes[name]} {'differs from ' + stored.get(name, 'none') if name in differing else 'as stored'}")
+    if "--renew" in sys.argv[1:]:
+        STORED.write_text(json.dumps(hashes, indent=2) + "\n")
+        print(f"{STORED} is renewed: {len(differing)} changed")
+        return 0
+    return 1 if differing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
