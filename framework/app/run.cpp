@@ -1,9 +1,12 @@
 // `kerf run`: from an input file to a finished run, or to a clear end.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
@@ -16,6 +19,9 @@
 #include "dynamics/simulation.hpp"
 #include "dynamics/state_hash.hpp"
 #include "kerf/measure.hpp"
+#include "output/collective.hpp"
+#include "output/file.hpp"
+#include "output/restart.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/runtime.hpp"
 
@@ -27,7 +33,7 @@ namespace {
 int fail(MPI_Comm comm, const std::vector<std::string>& lines, int code) {
   if (rank_of(comm) == 0) {
     std::fflush(stdout);
-    for (const std::string& line : lines) fmt::print(stderr, "{}\n", line);
+    for (const std::string& line : lines) std::fputs((line + "\n").c_str(), stderr);  // nobody to tell if this fails
     std::fflush(stderr);
   }
   MPI_Barrier(comm);
@@ -64,48 +70,84 @@ void make_folder(MPI_Comm comm, const std::string& folder) {
   if (!failure.empty()) throw InputError({failure});
 }
 
+/// Rank 0 looks: a shared file system may show a file to some ranks before others. Collective.
+void require_restart_file(MPI_Comm comm, const std::string& folder) {
+  const std::string newest = folder + "/restart/restart.h5";
+  std::error_code unknown;
+  const bool missing = rank_of(comm) == 0 && !std::filesystem::exists(newest, unknown) &&
+                       !std::filesystem::exists(previous_restart(newest), unknown);
+  if (greatest(comm, std::int64_t{missing ? 1 : 0}) == 0) return;
+  throw InputError(
+      {fmt::format("{}: error: there is no restart file to resume from; a run writes one at its end (unless "
+                   "output.restart_at_end is false), when a signal stops it and, if output.restart_interval is given, "
+                   "on the way; run without --resume, or name the folder of the earlier run with --output",
+                   newest)});
+}
+
+/// A closed standard stream would give its number to the next file that is opened, and what is printed would end in
+/// that file. Writing to a full pipe, or beyond a limit of file sizes, is a failure to report and no reason to die.
+void secure_streams() {
+  for (int stream = 0; stream <= 2; ++stream)
+    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) std::abort();
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+void note_that_nothing_is_left(MPI_Comm comm, const Simulation& simulation, const ModelInput& input) {
+  const std::string note = fmt::format(
+      "note: the run that is resumed stands at cycle {}, {:.6g} s, and has come to {} already; no cycle is left "
+      "to make; raise it to go on\n",
+      simulation.clock().cycle(), simulation.clock().time(),
+      simulation.clock().at_end() ? fmt::format("time.end ({:.6g} s)", input.time.end)
+                                  : fmt::format("time.maximum_cycles ({})", input.time.maximum_cycles));
+  on_root(comm, [&] { print_now(note); });
+}
+
+int run_to_end(MPI_Comm comm, const RunOptions& options, const std::string& folder, Simulation& simulation,
+               Reporter& reporter) {
+  try {
+    simulation.run();
+  } catch (const PhysicsError& e) {
+    const std::string line = fmt::format("{}: error: the run stopped: {}", options.input, e.what());
+    try {
+      reporter.finish(e.what());
+    } catch (const OutputError&) {
+      fail(comm, {line}, exit_physics);
+      throw;
+    }
+    return fail(comm, {line}, exit_physics);
+  }
+  reporter.finish(simulation.stopped_by_signal() ? "signal" : "completed");
+  if (simulation.stopped_by_signal())
+    return fail(comm, {"stopped by a signal; go on with: " + resuming(options, folder)}, exit_signal);
+  return exit_done;
+}
+
 int run(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
   const auto input = load_input(comm, options, registry);
   ReportSettings settings;
   settings.folder = output_folder(options);
   settings.input_name = options.input;
   settings.resume = options.resume;
-  // Rank 0 looks: a shared file system may show a file to some ranks before others.
-  const bool missing =
-      rank_of(comm) == 0 && options.resume && !std::filesystem::exists(settings.folder + "/restart/restart.h5");
-  if (greatest(comm, std::int64_t{missing ? 1 : 0}) != 0)
-    throw InputError(
-        {fmt::format("{}/restart/restart.h5: error: there is no restart file to resume from; a run writes one "
-                     "when a signal stops it and, if output.restart_interval is given, on the way and after "
-                     "time.maximum_cycles; run without --resume, or name the folder of the earlier run with --output",
-                     settings.folder)});
+  if (options.resume) require_restart_file(comm, settings.folder);
   Simulation simulation(comm, *input, registry);
   if (rank_of(comm) == 0) print_warnings(simulation.warnings());
   make_folder(comm, settings.folder);
   settings.input_digest = input->digest + " " + state_hash(simulation.model());
   Reporter reporter(simulation, *input, settings);
-  if (options.resume && !simulation.clock().running() && rank_of(comm) == 0)
-    fmt::print(
-        "note: the run that is resumed stands at cycle {}, {:.6g} s, and has come to {} already; no cycle is left "
-        "to make; raise it to go on\n",
-        simulation.clock().cycle(), simulation.clock().time(),
-        simulation.clock().at_end() ? fmt::format("time.end ({:.6g} s)", input->time.end)
-                                    : fmt::format("time.maximum_cycles ({})", input->time.maximum_cycles));
+  if (options.resume && !simulation.clock().running()) note_that_nothing_is_left(comm, simulation, *input);
   try {
-    simulation.run();
-  } catch (const PhysicsError& e) {
-    reporter.finish(e.what());
-    return fail(comm, {fmt::format("{}: error: the run stopped: {}", options.input, e.what())}, exit_physics);
+    return run_to_end(comm, options, settings.folder, simulation, reporter);
+  } catch (const OutputError& e) {
+    reporter.give_up(e.what());
+    throw;
   }
-  reporter.finish(simulation.stopped_by_signal() ? "signal" : "completed");
-  if (simulation.stopped_by_signal())
-    return fail(comm, {"stopped by a signal; go on with: " + resuming(options, settings.folder)}, exit_signal);
-  return exit_done;
 }
 
 }  // namespace
 
 int run_command(const RunOptions& options, Registry& registry) {
+  secure_streams();
   int argc = 0;
   char** argv = nullptr;
   const ParallelRuntime runtime(argc, argv);
@@ -116,6 +158,8 @@ int run_command(const RunOptions& options, Registry& registry) {
   } catch (const PhysicsError& e) {  // before the first step
     return fail(runtime.comm(), {fmt::format("{}: error: the run cannot start: {}", options.input, e.what())},
                 exit_physics);
+  } catch (const OutputError& e) {
+    return fail(runtime.comm(), {fmt::format("{}: error: the run stopped: {}", options.input, e.what())}, exit_other);
   } catch (const std::exception& e) {
     // Thrown on one rank only, perhaps: the others may be waiting for it.
     fmt::print(stderr, "error: rank {}: {}\n", rank_of(runtime.comm()), e.what());

@@ -13,14 +13,19 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Debug, Release or RelWithDebInfo" FORCE)
 endif()
 
-# Loops over lanes are annotated with `omp simd`. These two floating-point flags give nearly all of what
-# -ffast-math would, and keep NaN, infinity and the order of operations, on which equal bits depend.
-# No lanes are peeled off a loop to reach an aligned address: a lane that is computed alone takes another log or exp,
-# or contracts otherwise, than its neighbours, and what an element gets would depend on where it stands.
-# -Wno-restrict: GCC 12 warns about its own std::string (GCC bug 105651).
+# The same bits on every x86-64 machine and from every compiler: every operation rounds by itself, in the order that is
+# written. -ffp-contract=off, because a product and a sum that are fused into one instruction round once instead of
+# twice, and only machines from x86-64-v3 on can fuse; which of them a compiler fuses is its own choice, too.
+# Elementary functions come from kerf/functions.hpp, not from the C library.
+# Loops over lanes are annotated with `omp simd`. The other two floating-point flags give nearly all of what -ffast-math
+# would, and keep NaN, infinity and the order of operations.
 # -Wno-psabi: vectors wider than registers are handed over within one program only, all of it compiled alike.
-set(KERF_COMPILE_OPTIONS -Wall -Wextra -Wno-restrict -Wno-psabi -fopenmp-simd -fno-math-errno -fno-trapping-math
-                         --param=vect-max-peeling-for-alignment=0)
+set(KERF_COMPILE_OPTIONS -Wall -Wextra -Wno-psabi -fopenmp-simd -ffp-contract=off -fno-math-errno -fno-trapping-math)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # -Wno-restrict: GCC 12 warns about its own std::string (GCC bug 105651).
+  # No lanes are peeled off a loop to reach an aligned address: rows are aligned, and peeled lanes would take as long.
+  list(APPEND KERF_COMPILE_OPTIONS -Wno-restrict --param=vect-max-peeling-for-alignment=0)
+endif()
 if(KERF_NATIVE)
   list(APPEND KERF_COMPILE_OPTIONS -march=native)
 endif()

@@ -4,17 +4,6 @@
 set(MPI_CXX_SKIP_MPICXX TRUE)  # the C interface is enough; the C++ bindings left the standard
 find_package(MPI REQUIRED COMPONENTS CXX)
 
-# Debian installs one HDF5 per MPI flavour side by side; take the one built for Open MPI.
-set(HDF5_PREFER_PARALLEL ON)
-find_program(HDF5_C_COMPILER_EXECUTABLE NAMES h5pcc.openmpi h5pcc)
-find_package(HDF5 REQUIRED COMPONENTS C)
-if(NOT HDF5_IS_PARALLEL)
-  message(FATAL_ERROR "HDF5 at ${HDF5_INCLUDE_DIRS} was built without MPI. Install libhdf5-openmpi-dev.")
-endif()
-add_library(kerf_hdf5 INTERFACE)
-target_include_directories(kerf_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
-target_link_libraries(kerf_hdf5 INTERFACE ${HDF5_C_LIBRARIES} MPI::MPI_CXX)
-
 # Trilinos' package file sets compiler variables of its own; a function keeps them from leaking out.
 function(kerf_find_trilinos)
   find_package(Trilinos REQUIRED COMPONENTS Tpetra Zoltan)
@@ -43,6 +32,14 @@ find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 if(KERF_TESTS)
+  # Kerf writes HDF5 by itself (framework/output/hdf5_image.hpp); only tests read with HDF5's library. Debian installs one
+  # HDF5 per MPI flavour side by side; take the one that is there with Open MPI anyway.
+  set(HDF5_PREFER_PARALLEL ON)
+  find_program(HDF5_C_COMPILER_EXECUTABLE NAMES h5pcc.openmpi h5pcc)
+  find_package(HDF5 REQUIRED COMPONENTS C)
+  add_library(kerf_hdf5 INTERFACE)
+  target_include_directories(kerf_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
+  target_link_libraries(kerf_hdf5 INTERFACE ${HDF5_C_LIBRARIES} MPI::MPI_CXX)
   find_package(GTest REQUIRED)
   find_package(benchmark REQUIRED)
 endif()

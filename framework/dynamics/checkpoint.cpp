@@ -19,20 +19,24 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
   const NodeStore& nodes = model.nodes;
   std::vector<std::int64_t> ids, integers;
   std::vector<double> reals;
-  std::vector<std::array<std::int64_t, 3>> contact(static_cast<std::size_t>(nodes.n()), {0, 0, 0});
+  std::vector<std::array<std::int64_t, 6>> contact(static_cast<std::size_t>(nodes.n()));
   const ContactLoad& load = simulation.contact_load();
   for (std::size_t k = 0; k < load.nodes.size(); ++k)
-    for (int d = 0; d < 3; ++d) contact[load.nodes[k]][d] = load.force[4 * k + d];
+    for (int d = 0; d < 3; ++d) {
+      contact[load.nodes[k]][d] = load.force[4 * k + d];
+      contact[load.nodes[k]][3 + d] = load.friction[4 * k + d];
+    }
   for (int i = 0; i < nodes.n(); ++i) {
     if (!nodes.owned[i]) continue;
     const NodeRecord r = nodes.record(i);
     ids.push_back(r.id);
     integers.insert(integers.end(), {static_cast<std::int64_t>(r.sets), r.part, r.free, r.force[0], r.force[1],
-                                     r.force[2], contact[i][0], contact[i][1], contact[i][2]});
+                                     r.force[2]});
+    integers.insert(integers.end(), contact[i].begin(), contact[i].end());
     reals.insert(reals.end(),
                  {r.position[0], r.position[1], r.position[2], r.velocity[0], r.velocity[1], r.velocity[2], r.mass});
   }
-  file.write_entities("nodes", model.n_nodes, ids, {{"integers", 9, integers.data()}, {"reals", 7, reals.data()}});
+  file.write_entities("nodes", model.n_nodes, ids, {{"integers", 12, integers.data()}, {"reals", 7, reals.data()}});
 }
 
 void write_elements(RestartWriter& file, const Model& model) {
@@ -67,7 +71,8 @@ std::vector<std::int64_t> total_accounts(const Model& model, const Accounts& a) 
                               a.dropped_momentum[1],
                               a.dropped_momentum[2],
                               a.dropped_mass,
-                              a.eroded_elements};
+                              a.eroded_elements,
+                              a.friction};
   MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_INT64_T, MPI_SUM, model.comm);
   return v;
 }
@@ -86,6 +91,7 @@ Accounts accounts_from(const std::vector<std::int64_t>& v) {
   }
   a.dropped_mass = v.at(12);
   a.eroded_elements = v.at(13);
+  a.friction = v.at(14);
   return a;
 }
 
@@ -115,7 +121,7 @@ std::vector<NodeRecord> deliver(const Model& model, const std::vector<NodeRecord
   return result;
 }
 
-ModelBundle read_bundle(const RestartReader& file, const Model& model, Simulation::Progress& progress) {
+ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Progress& progress) {
   ModelBundle bundle;
   bundle.parts.resize(model.parts.size());
   std::vector<std::int64_t> wanted;
@@ -133,16 +139,16 @@ ModelBundle read_bundle(const RestartReader& file, const Model& model, Simulatio
     }
   }
   const RestartEntities e = file.read_entities("nodes");
-  const auto& integers = e.integer("integers", 9);
+  const auto& integers = e.integer("integers", 12);
   const auto& reals = e.real("reals", 7);
   std::vector<NodeRecord> share(e.gids.size());
   struct Load {
-    std::int64_t id, force[3];
+    std::int64_t id, force[6];  // of contact, and of friction
   };
   std::vector<Load> loads;
   for (std::size_t i = 0; i < share.size(); ++i) {
     NodeRecord& r = share[i];
-    const std::int64_t* k = &integers[9 * i];
+    const std::int64_t* k = &integers[12 * i];
     r.id = e.gids[i];
     r.sets = static_cast<std::uint64_t>(k[0]);
     r.part = static_cast<std::int32_t>(k[1]);
@@ -151,24 +157,14 @@ ModelBundle read_bundle(const RestartReader& file, const Model& model, Simulatio
     std::copy_n(&reals[7 * i], 3, r.position);
     std::copy_n(&reals[7 * i + 3], 3, r.velocity);
     r.mass = reals[7 * i + 6];
-    if (k[6] != 0 || k[7] != 0 || k[8] != 0) loads.push_back({r.id, {k[6], k[7], k[8]}});
+    if (k[6] != 0 || k[7] != 0 || k[8] != 0) loads.push_back({r.id, {k[6], k[7], k[8], k[9], k[10], k[11]}});
   }
   // Who will own a node is not known yet: every rank gets all loads, which are few.
   std::vector<std::vector<Load>> to_all(static_cast<std::size_t>(model.n_ranks()), loads);
   for (const auto& list : all_to_all(model.comm, to_all))
-    for (const Load& l : list) progress.contact_force[l.id] = {l.force[0], l.force[1], l.force[2]};
+    for (const Load& l : list) std::copy_n(l.force, 6, progress.contact_force[l.id].begin());
   bundle.nodes = deliver(model, share, std::move(wanted));
   return bundle;
-}
-
-// Opening is collective: it fails on all ranks or on none.
-RestartReader open_restart(MPI_Comm comm, const std::string& path) {
-  try {
-    return RestartReader(comm, path);
-  } catch (const std::exception& e) {
-    throw InputError(
-        {fmt::format("{}: error: this is no restart file of Kerf's ({}); run without --resume", path, e.what())});
-  }
 }
 
 }  // namespace
@@ -180,12 +176,18 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   p.element_cycles = sum_of(model.comm, p.element_cycles);
   RestartWriter file(model.comm, path);
   file.write_attribute("input_digest", input_digest);
-  file.write_attribute("clock", std::vector<double>{p.time, p.last_dt, p.reduction.least_step, p.first_stable});
+  file.write_attribute("clock", std::vector<double>{p.time, p.last_dt, p.reduction.least_step, p.first_stable, p.contact_step});
   file.write_attribute("counters", std::vector<std::int64_t>{p.cycle, p.last_rebalance, p.element_cycles,
                                                              p.reduction.least_id, output.n_frames});
   file.write_attribute("due", std::vector<double>{output.next_results, output.next_history, output.next_restart});
   file.write_attribute("eroded_by", output.eroded_by);
   file.write_attribute("accounts", total_accounts(model, simulation.ledger().accounts));
+  const LetGo let_go = simulation.ledger().let_go.total(model.comm);
+  std::vector<std::int64_t> let_go_counts{let_go.nodes, let_go.mass};
+  let_go_counts.insert(let_go_counts.end(), let_go.by_part.begin(), let_go.by_part.end());
+  file.write_attribute("let_go", let_go_counts);
+  file.write_attribute("contact",
+                       std::vector<double>{simulation.ledger().most_taken, let_go.deepest, let_go.first_time});
   write_nodes(file, simulation);
   write_elements(file, model);
   file.finish();
@@ -193,7 +195,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
 
 OutputProgress read_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation) {
   Model& model = simulation.model();
-  const RestartReader file = open_restart(model.comm, path);
+  RestartReader file(model.comm, path);
   if (file.text("input_digest") != input_digest)
     throw InputError({fmt::format(
         "{}: error: this restart file belongs to another model; resume with the input that "
@@ -208,12 +210,23 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   p.last_dt = clock.at(1);
   p.reduction.least_step = clock.at(2);
   p.first_stable = clock.at(3);
+  p.contact_step = clock.at(4);
   p.cycle = counters.at(0);
   p.last_rebalance = counters.at(1);
   p.element_cycles = counters.at(2);
   p.reduction.least_id = counters.at(3);
   assemble(model, read_bundle(file, model, p));
   simulation.ledger().accounts = model.rank() == 0 ? accounts_from(file.integers("accounts")) : Accounts{};
+  const auto taken = file.reals("contact");
+  simulation.ledger().most_taken = taken.at(0);
+  if (model.rank() == 0) {
+    const auto counts = file.integers("let_go");
+    simulation.ledger().let_go = {.nodes = counts.at(0),
+                                  .mass = counts.at(1),
+                                  .by_part = {counts.begin() + 2, counts.end()},
+                                  .deepest = taken.at(1),
+                                  .first_time = taken.at(2)};
+  }
   simulation.resume(p);
   return {counters.at(4), due.at(0), due.at(1), due.at(2), file.integers("eroded_by")};
 }

@@ -19,7 +19,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
                       const OutputProgress& output);
 
 /// Replaces the state of a simulation of time zero by that of the file. Throws InputError where the file does not
-/// belong to this input. Collective.
+/// belong to this input, and OutputError where it is absent or damaged. Collective.
 OutputProgress read_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation);
 
 }  // namespace kerf

@@ -20,6 +20,7 @@ namespace {
 constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
 constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
 constexpr std::int64_t renewals = 5;  // intervals from one search of everything to the next
+constexpr int rounds = 5;  // of impacts in a step
 constexpr double spare_share = 0.05;  // of the edge of a rank's box of space, that slaves may leave it by till then
 
 }  // namespace
@@ -31,6 +32,44 @@ ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique
       masters_(model, request_.masters),
       space_(std::move(space)) {
   for (const auto& boundary : model.input->boundaries) mirrored_.emplace_back(model, boundary->nodes());
+  measure_reach(model);
+}
+
+double ContactSpeeds::fastest_pair() const {
+  const Vec3 most_apart{most[0] + most[3], most[1] + most[4], most[2] + most[5]};
+  return most[0] > -1e300 ? norm(most_apart) : 0.0;
+}
+
+/// The least reach of any face of any undeformed element. Collective.
+void ContactEngine::measure_reach(const Model& model) {
+  double least = beyond;
+  for (const PartModel& part : model.parts)
+    for (int s = 0; s < part.store->n_slots(); ++s) {
+      if (!part.store->live(s)) continue;
+      Vec3 x[8];
+      for (int k = 0; k < 8; ++k) x[k] = model.nodes.x(part.store->node(s, k));
+      for (const auto& face : hex_face) {
+        FacetBounds bounds;
+        for (int k = 0; k < 4; ++k) bounds.edge = std::max(bounds.edge, norm(x[face[(k + 1) % 4]] - x[face[k]]));
+        bounds.longest_edge = bounds.thickness = bounds.edge;
+        least = std::min(least, law_.reach(bounds));
+      }
+    }
+  least_reach_ = -greatest(model.comm, -least);
+}
+
+/// How fast the nodes that take part move, without the ones that have been dropped.
+void ContactEngine::measure_speeds(const Model& model) {
+  speeds_ = {};
+  speeds_.longest_step = touches_.longest_step();
+  for (const Tracked& t : tracked_) {
+    if (!(model.nodes.mass[t.node] > 0.0)) continue;
+    const double* v = &model.nodes.velocity[4 * static_cast<std::size_t>(t.node)];
+    for (int d = 0; d < 3; ++d) {
+      speeds_.most[d] = std::max(speeds_.most[d], -v[d]);
+      speeds_.most[3 + d] = std::max(speeds_.most[3 + d], v[d]);
+    }
+  }
 }
 
 void ContactEngine::renumbered(const Model& model) {
@@ -131,7 +170,7 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   for (int k = 0; k < 4; ++k) {
     KERF_ASSERT(track_of_[r.locals[k]] >= 0, "the corners of a facet that takes part are tracked");
     const std::int32_t tracked = track_of_[r.locals[k]];
-    x[k] = nodes.x(r.locals[k]);
+    x[k] = predicted_x(model, r.locals[k]);
     undeformed[k] = undeformed_[tracked];
     r.box.include(tracked_[tracked].box);
     r.own_box.include(own_boxes_[tracked]);
@@ -180,7 +219,8 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   // does not send many facets to ranks that do not need them.
   const double reach = reach_of(model, slaves);
   const double way = 2.0 * static_cast<double>(renewals - 1) * reach;
-  slave_reach_ = 1.5 * reach + std::min(way, spare_share * extent_of(model, slaves) / std::cbrt(model.n_ranks()));
+  slave_reach_ =
+      1.5 * reach + std::min(way, spare_share * extent_of(model, slaves) / kerf::pow(model.n_ranks(), 1.0 / 3.0));
   send(model, slaves, facets);
 }
 
@@ -261,6 +301,8 @@ void ContactEngine::connect(const Model& model, bool fresh) {
   velocity_.assign(4 * n, 0.0);
   mass_.assign(n, 0.0);
   force_.assign(4 * n, 0);
+  friction_.assign(4 * n, 0);
+  share_.assign(n, 0);
   load_ = {};
   plan_.reset();
   if (model.n_ranks() == 1) {
@@ -272,9 +314,14 @@ void ContactEngine::connect(const Model& model, bool fresh) {
     plan_ = std::make_unique<ExchangePlan>(model.comm, needed, [&](std::int64_t id) { return model.local_node(id); });
     plan_->pull(model.nodes.mass.data(), 1, mass_.data(), 1, 1);
     load_.nodes = plan_->sources();
-    owned_force_.assign(4 * static_cast<std::size_t>(model.nodes.n()), 0);
+    const auto n_local = static_cast<std::size_t>(model.nodes.n());
+    owned_force_.assign(4 * n_local, 0);
+    owned_share_.assign(n_local, 0);
+    owned_position_.assign(4 * n_local, 0.0);
+    owned_velocity_.assign(4 * n_local, 0.0);
   }
   load_.force.assign(4 * load_.nodes.size(), 0);
+  load_.friction.assign(4 * load_.nodes.size(), 0);
 }
 
 void ContactEngine::search(Model& model, const Step& step) {
@@ -287,7 +334,7 @@ void ContactEngine::search(Model& model, const Step& step) {
   last_search_ = last_renewal_ = step.cycle;
   valid_ = true;
 
-  search_time_ = step.end();
+  search_time_ = step.end() + dt_ahead();
   horizon_ = search_time_ + static_cast<double>(law_.search_interval + 1) * step.dt;
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
@@ -312,7 +359,7 @@ bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_l
   std::vector<ContactNodeRecord> slaves;
   std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
   for (const auto& [k, boxes] : strays_) {
-    foresee(model, static_cast<std::size_t>(k), step.end(), boxes);
+    foresee(model, static_cast<std::size_t>(k), step.end() + dt_ahead(), boxes);
     stray[tracked_[k].node] = 1;
     add_slave(model, static_cast<std::size_t>(k), slaves);
   }
@@ -354,7 +401,7 @@ bool ContactEngine::keep_complete(Model& model, const Step& step) {
     return refresh(model, step, false);
   }
   last_renewal_ = step.cycle;
-  horizon_ = step.end() + static_cast<double>(law_.search_interval + 1) * step.dt;
+  horizon_ = step.end() + dt_ahead() + static_cast<double>(law_.search_interval + 1) * step.dt;
   find_outgrown(model, step);
   const bool enough = refresh(model, step, true);
   if (enough) ++counts_.renewals;
@@ -391,27 +438,75 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
   connect(model, false);
 }
 
+Vec3 ContactEngine::predicted_v(const Model& model, int node) const {
+  return prediction_ ? prediction_->velocity(node) : model.nodes.v(node);
+}
+
+Vec3 ContactEngine::predicted_x(const Model& model, int node) const {
+  return prediction_ ? prediction_->position(node) : model.nodes.x(node);
+}
+
+double ContactEngine::dt_ahead() const { return prediction_ ? prediction_->step().dt : 0.0; }
+
 void ContactEngine::pull(const Model& model) {
-  if (plan_) {
-    plan_->pull(model.nodes.position.data(), 4, position_.data(), 4, 3);
-    plan_->pull(model.nodes.velocity.data(), 4, velocity_.data(), 4, 3);
+  const auto predict = [&](std::int32_t node, double* position, double* velocity) {
+    const Vec3 x = predicted_x(model, node), v = predicted_v(model, node);
+    for (int d = 0; d < 3; ++d) {
+      position[d] = x[d];
+      velocity[d] = v[d];
+    }
+    position[3] = prediction_ ? prediction_->held_axes(node) : 0.0;
+  };
+  if (!plan_) {
+    for (std::size_t i = 0; i < found_->node_local.size(); ++i)
+      predict(found_->node_local[i], &position_[4 * i], &velocity_[4 * i]);
     return;
   }
-  for (std::size_t i = 0; i < found_->node_local.size(); ++i) {
-    const auto n = static_cast<std::size_t>(found_->node_local[i]);
-    // Compiled to two moves, while std::copy_n calls the library for every node.
-    std::memcpy(&position_[4 * i], &model.nodes.position[4 * n], 4 * sizeof(double));
-    std::memcpy(&velocity_[4 * i], &model.nodes.velocity[4 * n], 4 * sizeof(double));
+  for (const std::int32_t n : load_.nodes)
+    predict(n, &owned_position_[4 * static_cast<std::size_t>(n)], &owned_velocity_[4 * static_cast<std::size_t>(n)]);
+  plan_->pull(owned_position_.data(), 4, position_.data(), 4, 4);
+  plan_->pull(owned_velocity_.data(), 4, velocity_.data(), 4, 3);
+}
+
+/// Sums what the touches of all ranks ask of the masses of nodes. Collective.
+void ContactEngine::split_masses(const ContactView& view, double quantum) {
+  std::fill(share_.begin(), share_.end(), 0);
+  add_shares(view, touches_, {share_.data(), quantum});
+  if (!plan_) return;
+  for (const std::int32_t n : load_.nodes) owned_share_[static_cast<std::size_t>(n)] = 0;
+  plan_->push_add(share_.data(), 1, owned_share_.data(), 1, 1);
+  plan_->pull(owned_share_.data(), 1, share_.data(), 1, 1);
+}
+
+/// The sums of all ranks for the nodes that this one owns: by local node, or by node of the view on one rank.
+const std::int64_t* ContactEngine::totals_of(const std::vector<std::int64_t>& sums) {
+  if (!plan_) return sums.data();
+  for (const std::int32_t n : load_.nodes) std::fill_n(&owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
+  plan_->push_add(sums.data(), 4, owned_force_.data(), 4, 3);
+  return owned_force_.data();
+}
+
+/// Sets pushed_velocity_ to what the forces so far lead to. Collective.
+void ContactEngine::push_velocities(const Model& model) {
+  const std::int64_t* totals = totals_of(force_);
+  if (plan_) {
+    total_force_.resize(force_.size());
+    plan_->pull(owned_force_.data(), 4, total_force_.data(), 4, 3);
+    totals = total_force_.data();
+  }
+  const double factor = model.quanta.force.quantum * prediction_->step().kick_dt();
+  for (std::size_t i = 0; i < mass_.size(); ++i) {
+    const std::int64_t* f = &totals[4 * i];
+    if ((f[0] | f[1] | f[2]) == 0) continue;
+    const auto held = static_cast<unsigned>(position_[4 * i + 3]);
+    const double a = factor / mass_[i];
+    for (int d = 0; d < 3; ++d)
+      if ((held >> d & 1u) == 0) pushed_velocity_[4 * i + d] = velocity_[4 * i + d] + static_cast<double>(f[d]) * a;
   }
 }
 
 void ContactEngine::push(Model& model) {
-  const std::int64_t* totals = force_.data();
-  if (plan_) {
-    for (const std::int32_t n : load_.nodes) std::fill_n(&owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
-    plan_->push_add(force_.data(), 4, owned_force_.data(), 4, 3);
-    totals = owned_force_.data();
-  }
+  const std::int64_t* totals = totals_of(force_);
   for (std::size_t k = 0; k < load_.nodes.size(); ++k) {
     const auto n = static_cast<std::size_t>(load_.nodes[k]);
     const std::size_t from = plan_ ? 4 * n : 4 * k;
@@ -420,11 +515,16 @@ void ContactEngine::push(Model& model) {
       model.nodes.force[4 * n + d] += totals[from + d];
     }
   }
+  if (!(law_.response().friction > 0.0)) return;
+  totals = totals_of(friction_);
+  for (std::size_t k = 0; k < load_.nodes.size(); ++k)
+    std::copy_n(&totals[plan_ ? 4 * static_cast<std::size_t>(load_.nodes[k]) : 4 * k], 3, &load_.friction[4 * k]);
 }
 
-ContactView ContactEngine::view(double dt) const {
+ContactView ContactEngine::view() const {
   ContactView v;
-  v.dt = dt;
+  v.dt = dt_ahead();
+  v.kick_dt = prediction_ ? prediction_->step().kick_dt() : 0.0;
   v.n_nodes = static_cast<int>(found_->node_id.size());
   v.node_id = found_->node_id.data();
   v.position = position_.data();
@@ -447,31 +547,45 @@ ContactView ContactEngine::view(double dt) const {
   return v;
 }
 
-void ContactEngine::add_forces(Model& model, const Step& step, Timers& timers) {
+void ContactEngine::add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers) {
+  prediction_ = &prediction;
   {
     const auto scope = timers.measure("contact_search");
     if (!keep_complete(model, step)) search(model, step);
   }
   const auto scope = timers.measure("contact_forces");
   pull(model);
+  const ContactView seen = view();
+  touches_.clear();
+  law_.find_touches(seen, touches_);
+  measure_speeds(model);
+  split_masses(seen, model.quanta.mass);
   std::fill(force_.begin(), force_.end(), 0);
-  ContactForces forces(force_.data(), model.quanta.force);
-  law_.add_forces(view(step.dt), forces);
+  std::fill(friction_.begin(), friction_.end(), 0);
+  ContactForces forces(force_.data(), friction_.data(), model.quanta.force);
+  Impacts impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass});
+  pushed_velocity_ = velocity_;
+  for (int round = 0; round < rounds; ++round) {
+    if (round > 0) push_velocities(model);
+    impacts.add_round(pushed_velocity_.data(), round + 1 == rounds, forces);
+  }
   if (forces.overflow_node() >= 0)
     trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
                            found_->node_id[forces.overflow_node()],
                            model.parts[found_->node_part[forces.overflow_node()]].input->name, model.rank());
   push(model);
+  prediction_ = nullptr;
 }
 
 std::vector<std::string> ContactEngine::initial_penetrations(Model& model) {
   Step none;
+  prediction_ = nullptr;
   search(model, none);
   valid_ = false;
   pull(model);
   std::vector<int> nodes;
   std::vector<double> depths;
-  law_.penetrations(view(0.0), nodes, depths);
+  law_.penetrations(view(), nodes, depths);
   struct Deepest {
     double depth;
     std::int64_t id;

@@ -14,11 +14,25 @@
 #include "dynamics/candidate_search.hpp"
 #include "dynamics/integrator.hpp"
 #include "dynamics/names.hpp"
+#include "dynamics/contact_impacts.hpp"
 #include "kerf/contact.hpp"
 #include "kerf/partitioner.hpp"
 #include "state/model.hpp"
 
 namespace kerf {
+
+/// How fast things move in contact, from which the longest step follows in which nothing passes unseen.
+struct ContactSpeeds {
+  double longest_step = 1e300;  // in which no pair closes too far [s]
+  double most[6] = {-1e300, -1e300, -1e300, -1e300, -1e300, -1e300};  // of -v and v of all nodes that take part [m/s]
+
+  void join(const ContactSpeeds& other) {
+    longest_step = other.longest_step < longest_step ? other.longest_step : longest_step;
+    for (int d = 0; d < 6; ++d) most[d] = other.most[d] > most[d] ? other.most[d] : most[d];
+  }
+  /// Bound of the speed of one node relative to another [m/s].
+  double fastest_pair() const;
+};
 
 class ContactEngine {
  public:
@@ -33,8 +47,18 @@ class ContactEngine {
   /// leaves it to the next search. Collective.
   void surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
                        std::vector<ExteriorFacet> opened);
-  /// Adds this definition's forces to the owners of the nodes, searching first if needed. Collective.
-  void add_forces(Model& model, const Step& step, Timers& timers);
+  /// Adds this definition's forces to the owners of the nodes, searching first if needed. Pre: the nodes' forces are
+  /// the sums of all others, on all copies; `prediction` is what they will do. Collective.
+  void add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers);
+  /// Of this rank, as they are after the last forces. Which ranks know a node does not matter.
+  const ContactSpeeds& speeds() const { return speeds_; }
+  /// What the law has found in the last forces.
+  const ContactTouches& touches() const { return touches_; }
+  /// Part of a node of the last view.
+  std::int32_t part_of(int node) const { return found_->node_part[node]; }
+  double mass_of(int node) const { return mass_[node]; }
+  /// Least distance at which a facet sees a node [m].
+  double least_reach() const { return least_reach_; }
   /// Forces of the last call on nodes that this rank owns.
   const ContactLoad& load() const { return load_; }
   /// How often candidates were looked for, the same on all ranks.
@@ -83,9 +107,17 @@ class ContactEngine {
   double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);
+  void measure_speeds(const Model& model);
+  void measure_reach(const Model& model);
+  Vec3 predicted_v(const Model& model, int node) const;
+  Vec3 predicted_x(const Model& model, int node) const;
+  double dt_ahead() const;
   void pull(const Model& model);
+  void split_masses(const ContactView& view, double quantum);
+  const std::int64_t* totals_of(const std::vector<std::int64_t>& sums);
+  void push_velocities(const Model& model);
   void push(Model& model);
-  ContactView view(double dt) const;
+  ContactView view() const;
 
   static constexpr double beyond = 1e15;  // what no length of a sound model reaches [m]
 
@@ -113,9 +145,15 @@ class ContactEngine {
   std::unique_ptr<CandidateSearch> search_;
   const Candidates* found_ = nullptr;  // of search_
   std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank
-  AlignedVector<double> position_, velocity_;
+  const Prediction* prediction_ = nullptr;  // of the step that is being made; null for the model as it stands
+  AlignedVector<double> position_, velocity_;  // of the nodes of the view, predicted
+  AlignedVector<double> pushed_velocity_;  // of the nodes of the view, with the contact forces so far
+  AlignedVector<double> owned_position_, owned_velocity_;  // of this rank's nodes that other ranks need, predicted
   std::vector<double> mass_;
-  std::vector<std::int64_t> force_, owned_force_;
+  std::vector<std::int64_t> force_, owned_force_, friction_, total_force_, share_, owned_share_;
+  ContactTouches touches_;
+  ContactSpeeds speeds_;
+  double least_reach_ = 0.0;  // of all facets that the model can have [m]
   ContactLoad load_;
   std::string trouble_;
 };

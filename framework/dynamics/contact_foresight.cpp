@@ -109,7 +109,7 @@ void ContactEngine::choose_references(const Model& model, const std::vector<std:
 /// Foresees where a node may be until the next search or renewal.
 void ContactEngine::foresee(const Model& model, std::size_t tracked, double time, unsigned boxes) {
   Tracked& t = tracked_[tracked];
-  const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node), own = part_velocities_[t.part];
+  const Vec3 x = predicted_x(model, t.node), v = predicted_v(model, t.node), own = part_velocities_[t.part];
   const Foresight from{time - search_time_, std::max(horizon_ - time, 0.0), farthest * slack_};
   const double margin = slack_ + std::min(unsteady * norm(v - own) * from.ahead, from.farthest_way);
   if ((boxes & in_common_frame) != 0) t.box = from.whereabouts(x, v, drift_velocity_, margin);
@@ -141,22 +141,24 @@ std::vector<char> ContactEngine::parts_with_own_frame() const {
   return has_own;
 }
 
-/// Lists the nodes that have left their boxes. Positions have been advanced already.
+/// Lists the nodes that will have left their boxes at the end of the coming step.
 void ContactEngine::find_strays(const Model& model, const Step& step) {
   strays_.clear();
-  const double since = step.end() - search_time_;
+  const double since = step.end() + dt_ahead() - search_time_;
   std::vector<FrameOrigin> own;
   for (const Vec3 v : part_velocities_) own.emplace_back(v * since);
   const std::vector<char> has_own = parts_with_own_frame();
   const FrameOrigin common(drift_velocity_ * since);
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
-    constexpr std::size_t ahead = 16;  // far enough for a node's position to arrive
+    constexpr std::size_t ahead = 16;  // far enough for what is known of a node to arrive
     const Tracked& t = tracked_[k];
-    const auto position = [&](std::size_t of) {
-      return &model.nodes.position[4 * static_cast<std::size_t>(tracked_[of].node)];
-    };
-    __builtin_prefetch(position(std::min(k + ahead, tracked_.size() - 1)));
-    if (!common.sees_in(t.box, position(k)) || (has_own[t.part] && !own[t.part].sees_in(own_boxes_[k], position(k))))
+    const auto later = static_cast<std::size_t>(tracked_[std::min(k + ahead, tracked_.size() - 1)].node);
+    __builtin_prefetch(&model.nodes.position[4 * later]);
+    __builtin_prefetch(&model.nodes.velocity[4 * later]);
+    __builtin_prefetch(&model.nodes.force[4 * later]);
+    const Vec3 x = predicted_x(model, t.node);
+    const double position[4] = {x.x, x.y, x.z, 0.0};
+    if (!common.sees_in(t.box, position) || (has_own[t.part] && !own[t.part].sees_in(own_boxes_[k], position)))
       strays_.push_back({static_cast<std::int32_t>(k), in_common_frame | in_own_frame});
   }
 }
@@ -165,10 +167,11 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
 void ContactEngine::find_outgrown(const Model& model, const Step& step) {
   strays_.clear();
   const std::vector<char> has_own = parts_with_own_frame();
-  const Foresight from{step.end() - search_time_, std::max(horizon_ - step.end(), 0.0), farthest * slack_};
+  const double now = step.end() + dt_ahead();
+  const Foresight from{now - search_time_, std::max(horizon_ - now, 0.0), farthest * slack_};
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     const Tracked& t = tracked_[k];
-    const Vec3 x = model.nodes.x(t.node), v = model.nodes.v(t.node);
+    const Vec3 x = predicted_x(model, t.node), v = predicted_v(model, t.node);
     const double margin = kept_margin * slack_;
     unsigned outgrown = 0;
     if (!t.box.contains(from.whereabouts(x, v, drift_velocity_, margin))) outgrown |= in_common_frame;

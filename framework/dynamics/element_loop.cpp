@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/flush_denormals.hpp"
+#include "dynamics/exposure.hpp"
 
 namespace kerf {
 
@@ -137,8 +138,10 @@ std::string element_name(const Model& model, int part, std::int64_t id) {
 ElementReport initialise_elements(Model& model) {
   ElementReport report;
   report.least_step = std::numeric_limits<double>::max();
+  const auto exposed_faces = count_exposed_faces(model);
   for (PartModel& part : model.parts) {
     with_view(model, part, [&](auto& w) {
+      w.exposed_faces = exposed_faces[static_cast<std::size_t>(part.store->index())].data();
       initialise(*part.input->element, w);
       collect(model, part, w, report);
     });
@@ -170,6 +173,13 @@ void sum_over_copies(const Model& model, std::int64_t* values, int stride) {
   for (std::size_t g = 0; g < model.ghosts.size(); ++g)
     for (int c = 0; c < n; ++c) copies[g * n + c] = values[static_cast<std::size_t>(model.ghosts[g]) * stride + c];
   model.ghost_plan->push_add(copies.data(), n, values, stride, n);
+  copy_to_ghosts(model, values, stride);
+}
+
+void copy_to_ghosts(const Model& model, std::int64_t* values, int stride) {
+  if (!model.ghost_plan) return;
+  const int n = std::min(stride, 3);
+  std::vector<std::int64_t> copies(model.ghosts.size() * static_cast<std::size_t>(n));
   model.ghost_plan->pull(values, stride, copies.data(), n, n);
   for (std::size_t g = 0; g < model.ghosts.size(); ++g)
     for (int c = 0; c < n; ++c) values[static_cast<std::size_t>(model.ghosts[g]) * stride + c] = copies[g * n + c];

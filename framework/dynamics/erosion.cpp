@@ -124,7 +124,8 @@ std::vector<ErosionRecord> Erosion::erode(Model& model, const Step& step, Ledger
     PartModel& part = model.parts[p];
     PartStore& store = *part.store;
     for (const PartJudge::Failure& f : judges_[p]->failures) {
-      const double total = store.field(PartStore::internal_energy).at(f.slot, 0);
+      const double total = store.field(PartStore::internal_energy).at(f.slot, 0) +
+                           part.initial_energy * store.field(PartStore::mass).at(f.slot, 0);
       const double viscous = store.field(PartStore::viscous_energy).at(f.slot, 0);
       ledger.accounts.eroded_viscous += ledger.energy_quanta(model, viscous);
       ledger.accounts.eroded_internal += ledger.energy_quanta(model, total - viscous);

@@ -50,11 +50,11 @@ Vec3 kicked(const NodeStore& nodes, int i, double quantum, double kick_dt) {
 }
 
 /// Work that contact takes from the nodes: minus force times mean velocity.
-std::int64_t contact_work(const Model& model, const Ledger& ledger, const ContactLoad& load, std::size_t k,
-                          double kick_dt, Vec3 mean) {
+std::int64_t contact_work(const Model& model, const Ledger& ledger, const std::int64_t* force, double kick_dt,
+                          Vec3 mean) {
   const double q = model.quanta.force.quantum * kick_dt;
-  const Vec3 impulse{static_cast<double>(load.force[4 * k]) * q, static_cast<double>(load.force[4 * k + 1]) * q,
-                     static_cast<double>(load.force[4 * k + 2]) * q};
+  const Vec3 impulse{static_cast<double>(force[0]) * q, static_cast<double>(force[1]) * q,
+                     static_cast<double>(force[2]) * q};
   return -ledger.energy_quanta(model, dot(impulse, mean));
 }
 
@@ -66,6 +66,7 @@ void Integrator::resolve(const Model& model) {
   std::vector<NodeGroup> groups;
   for (const auto& b : boundaries) groups.emplace_back(model, b->nodes());
   near_.assign(boundaries.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
+  always_ = near_;
   for (int i = 0; i < model.nodes.n(); ++i) {
     std::uint64_t always = 0;
     for (std::size_t b = 0; b < boundaries.size(); ++b) {
@@ -75,7 +76,9 @@ void Integrator::resolve(const Model& model) {
       if (ask == Boundary::Ask::always) always |= std::uint64_t{1} << b;
       if (ask == Boundary::Ask::near_region) near_[i] |= std::uint64_t{1} << b;
     }
-    if (always != 0) constrained_.push_back({i, always});
+    if (always == 0) continue;
+    constrained_.push_back({i, always});
+    always_[i] = always;
   }
 }
 
@@ -83,6 +86,32 @@ std::vector<HalfSpace> Integrator::regions(const Model& model, const Step& step)
   std::vector<HalfSpace> all;
   for (const auto& b : model.input->boundaries) all.push_back(b->region(step.end()));
   return all;
+}
+
+Prediction::Prediction(const Integrator& integrator, const Model& model, const Step& next)
+    : integrator_(integrator), model_(model), next_(next), planes_(Integrator::regions(model, next)) {}
+
+Vec3 Prediction::velocity(int i) const {
+  const Vec3 v = kicked(model_.nodes, i, model_.quanta.force.quantum, next_.kick_dt());
+  if (integrator_.always_.empty() || (integrator_.always_[i] | integrator_.near_[i]) == 0) return v;
+  return integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), v);
+}
+
+unsigned Prediction::held_axes(int i) const {
+  if (integrator_.always_.empty() || (integrator_.always_[i] | integrator_.near_[i]) == 0) return 0;
+  const Vec3 v = kicked(model_.nodes, i, model_.quanta.force.quantum, next_.kick_dt());
+  const auto constrained = [&](Vec3 velocity) {
+    return integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), velocity);
+  };
+  const Vec3 unpushed = constrained(v);
+  const double push = 1e-3 * norm(v) + 1e-3;  // far above round-off [m/s]
+  unsigned held = 0;
+  for (int d = 0; d < 3; ++d) {
+    Vec3 pushed = v;
+    pushed[d] += push;
+    if (norm(constrained(pushed) - unpushed) < 1e-6 * push) held |= 1u << d;
+  }
+  return held;
 }
 
 void Integrator::initialise(Model& model) const {
@@ -208,9 +237,9 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
   }
   for (std::size_t k = 0; k < load.nodes.size(); ++k) {
     const double* v = &old_load_velocity_[3 * k];
-    const Vec3 before{v[0], v[1], v[2]};
-    ledger.accounts.contact +=
-        contact_work(model, ledger, load, k, step.kick_dt(), (before + nodes.v(load.nodes[k])) * 0.5);
+    const Vec3 before{v[0], v[1], v[2]}, mean = (before + nodes.v(load.nodes[k])) * 0.5;
+    ledger.accounts.contact += contact_work(model, ledger, &load.force[4 * k], step.kick_dt(), mean);
+    ledger.accounts.friction += contact_work(model, ledger, &load.friction[4 * k], step.kick_dt(), mean);
   }
 }
 
@@ -230,7 +259,7 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
   };
   for (std::size_t i = 0; i < n; ++i)
     enter(i, nodes.v(static_cast<int>(i)), kicked(nodes, static_cast<int>(i), quantum, kick));
-  std::int64_t external = 0, contact = 0;
+  std::int64_t external = 0, contact = 0, friction = 0;
   const std::vector<HalfSpace> planes = regions(model, next);
   const auto apply = [&](int i, std::uint64_t always) {
     const Vec3 before = nodes.v(i), free_flight = kicked(nodes, i, quantum, kick);
@@ -244,17 +273,24 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
     if (listed || near_[i] != 0) apply(i, listed ? constrained_[at].always : 0);
     at += listed ? 1 : 0;
   }
-  for (std::size_t k = 0; k < load.nodes.size(); ++k)
-    contact += contact_work(model, ledger, load, k, kick, nodes.v(load.nodes[k]));
-  std::int64_t sums[4] = {ledger.accounts.external, ledger.accounts.contact, external, contact};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_INT64_T, MPI_SUM, model.comm);
+  for (std::size_t k = 0; k < load.nodes.size(); ++k) {
+    contact += contact_work(model, ledger, &load.force[4 * k], kick, nodes.v(load.nodes[k]));
+    friction += contact_work(model, ledger, &load.friction[4 * k], kick, nodes.v(load.nodes[k]));
+  }
+  std::int64_t sums[6] = {
+      ledger.accounts.external, ledger.accounts.contact, ledger.accounts.friction, external, contact, friction};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_INT64_T, MPI_SUM, model.comm);
   const std::vector<double> totals = order_free_sums(model.comm, {kinetic, momentum[0], momentum[1], momentum[2]});
   Balance b;
   b.time = next.start;
   b.kinetic = totals[0];
   b.momentum = {totals[1], totals[2], totals[3]};
-  b.external = (static_cast<double>(sums[0]) + share * static_cast<double>(sums[2])) * model.quanta.energy;
-  b.contact = (static_cast<double>(sums[1]) + share * static_cast<double>(sums[3])) * model.quanta.energy;
+  const auto joule = [&](int k) {
+    return (static_cast<double>(sums[k]) + share * static_cast<double>(sums[3 + k])) * model.quanta.energy;
+  };
+  b.external = joule(0);
+  b.contact = joule(1);
+  b.friction = joule(2);
   ledger.close(model, b);
   return b;
 }

@@ -18,6 +18,30 @@ namespace kerf {
 struct ContactLoad {
   std::vector<std::int32_t> nodes;
   std::vector<std::int64_t> force;  // four per node, in force quanta
+  std::vector<std::int64_t> friction;  // the share of friction in it; the same length
+};
+
+class Integrator;
+
+/// What nodes will do in the coming step under the forces that are known, boundary conditions included.
+class Prediction {
+ public:
+  /// All must outlive this.
+  Prediction(const Integrator& integrator, const Model& model, const Step& next);
+  /// Velocity in the coming step [m/s].
+  Vec3 velocity(int node) const;
+  /// Position at its end [m].
+  Vec3 position(int node) const { return model_.nodes.x(node) + velocity(node) * next_.dt; }
+  /// Axes along which boundary conditions keep a node from following a force, as bits. A condition that is oblique to
+  /// the axes does not count.
+  unsigned held_axes(int node) const;
+  const Step& step() const { return next_; }
+
+ private:
+  const Integrator& integrator_;
+  const Model& model_;
+  Step next_;
+  std::vector<HalfSpace> planes_;
 };
 
 class Integrator {
@@ -45,7 +69,10 @@ class Integrator {
   void count(const Model& model, int node, Vec3 before, Vec3 free_flight, Vec3 after, Ledger& ledger) const;
   void advance_guarded(Model& model, const Step& step, const std::vector<HalfSpace>& planes, Ledger& ledger);
 
+  friend class Prediction;
+
   std::vector<Constrained> constrained_;  // by node
+  std::vector<std::uint64_t> always_;  // per node, what constrained_ lists; empty where there is no condition at all
   // Per node: conditions that are asked only if the free flight ends in their region, which is tested in the pass over
   // all nodes. Empty where there is no condition at all.
   std::vector<std::uint64_t> near_;

@@ -30,18 +30,25 @@ void Ledger::open(Model& model) {
     const PartModel& part = model.parts[nodes.part[i]];
     stiff.push_back(nodes.mass[i] * (part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus) / part.material->density);
   }
-  initial_energy = order_free_sum(model.comm, kinetic);
+  std::vector<double> internal;
+  for (const PartModel& part : model.parts)
+    for (int s = 0; s < part.store->n_slots(); ++s)
+      if (part.store->live(s))
+        internal.push_back(part.store->field(PartStore::internal_energy).at(s, 0) +
+                           part.initial_energy * part.store->field(PartStore::mass).at(s, 0));
+  initial_energy = order_free_sum(model.comm, kinetic) + order_free_sum(model.comm, internal);
   initial_momentum = {order_free_sum(model.comm, px), order_free_sum(model.comm, py), order_free_sum(model.comm, pz)};
   initial_mass = order_free_sum(model.comm, mass);
   // A run that starts at rest is scaled by what its material could store: accounts hold up to 2048 times the scale,
   // which is twice the energy of a strain of one, and resolve the energy of a strain of a billionth.
   const double elastic = order_free_sum(model.comm, stiff);
-  const double scale = std::max(initial_energy, 1e-3 * elastic);
-  smallest_reference = initial_energy > 0.0 ? 1e-300 : 1e-6 * elastic;
+  const double scale = std::max(std::fabs(initial_energy), 1e-3 * elastic);
+  smallest_reference = std::fabs(initial_energy) > 0.0 ? 1e-300 : 1e-6 * elastic;
   model.quanta.energy = power_of_two_above(scale) * 0x1p-51;
   model.quanta.per_energy = 1.0 / model.quanta.energy;
   momentum_quantum = power_of_two_above(std::sqrt(2.0 * initial_mass * scale)) * 0x1p-51;
   mass_quantum = power_of_two_above(initial_mass) * 0x1p-51;
+  model.quanta.mass = mass_quantum;
 }
 
 void Ledger::close(const Model& model, Balance& b) const {
@@ -57,7 +64,7 @@ void Ledger::close(const Model& model, Balance& b) const {
     for (int s = 0; s < store.n_slots(); ++s, ++at) {
       const bool live = store.live(s);
       viscous[at] = live ? q[s] : 0.0;
-      internal[at] = live ? total[s] - q[s] : 0.0;
+      internal[at] = live ? total[s] - q[s] + part.initial_energy * m[s] : 0.0;
       mass[at] = live ? m[s] : 0.0;
     }
   }
@@ -89,9 +96,48 @@ void Ledger::close(const Model& model, Balance& b) const {
   b.eroded_elements = sums[11];
   b.live_mass = totals[2];
   b.free_mass = initial_mass - b.live_mass - b.dropped_mass;
-  // With neither energy nor work to compare with, the elastic energy of a strain of a thousandth is the measure.
-  const double reference = std::max({initial_energy, std::fabs(b.external), smallest_reference});
-  b.error = (b.total() - initial_energy - b.external) / reference;
+  b.error = (b.total() - initial_energy - b.external) / reference(b);
+  b.let_go = let_go.total(model.comm);
+}
+
+double Ledger::reference(const Balance& b) const {
+  return std::max({std::fabs(initial_energy), std::fabs(b.external), smallest_reference});
+}
+
+void Ledger::judge_contact(Balance& b) {
+  const double taken = b.contact - b.friction;
+  most_taken = std::max(most_taken, taken);
+  b.given_back = most_taken - taken;
+  b.error += b.given_back / reference(b);
+}
+
+void LetGo::add(int part, std::int64_t mass_quanta, double depth, double time) {
+  if (nodes == 0) first_time = time;
+  ++nodes;
+  mass += mass_quanta;
+  deepest = std::max(deepest, depth);
+  by_part.resize(std::max(by_part.size(), static_cast<std::size_t>(part) + 1), 0);
+  ++by_part[static_cast<std::size_t>(part)];
+}
+
+LetGo LetGo::total(MPI_Comm comm) const {
+  LetGo all;
+  // The negative of the first time, infinitely early where there is none, and the other things that are greatest.
+  double most[3] = {deepest, nodes > 0 ? -first_time : -1e300, static_cast<double>(by_part.size())};
+  MPI_Allreduce(MPI_IN_PLACE, most, 3, MPI_DOUBLE, MPI_MAX, comm);
+  std::vector<std::int64_t> sums = by_part;
+  sums.resize(static_cast<std::size_t>(most[2]), 0);
+  sums.push_back(nodes);
+  sums.push_back(mass);
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_INT64_T, MPI_SUM, comm);
+  all.mass = sums.back();
+  sums.pop_back();
+  all.nodes = sums.back();
+  sums.pop_back();
+  all.by_part = sums;
+  all.deepest = most[0];
+  all.first_time = all.nodes > 0 ? -most[1] : 0.0;
+  return all;
 }
 
 }  // namespace kerf

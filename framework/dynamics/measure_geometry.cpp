@@ -92,8 +92,8 @@ Vec3 dominant_direction(SymTensor t) {
       for (int q = p + 1; q < 3; ++q) {
         if (a[p][q] == 0.0) continue;
         const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-        const double tangent = std::copysign(1.0, theta) / (std::fabs(theta) + std::hypot(theta, 1.0));
-        const double c = 1.0 / std::hypot(tangent, 1.0), s = tangent * c;
+        const double tangent = std::copysign(1.0, theta) / (std::fabs(theta) + kerf::hypot(theta, 1.0));
+        const double c = 1.0 / kerf::hypot(tangent, 1.0), s = tangent * c;
         for (int k = 0; k < 3; ++k) {
           const double x = a[k][p], y = a[k][q];
           a[k][p] = c * x - s * y;

@@ -204,10 +204,10 @@ Opening measure_opening(const std::vector<Vec3>& line, Vec3 normal) {
   // The least width of a convex polygon is attained with one caliper along an edge.
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Point a = hull[i], b = hull[(i + 1) % hull.size()];
-    const double edge = std::hypot(b.x - a.x, b.y - a.y);
+    const double edge = kerf::hypot(b.x - a.x, b.y - a.y);
     double width = 0.0;
     for (const Point p : hull) {
-      o.largest = std::max(o.largest, std::hypot(p.x - a.x, p.y - a.y));
+      o.largest = std::max(o.largest, kerf::hypot(p.x - a.x, p.y - a.y));
       width = std::max(width, turn(a, b, p) / edge);
     }
     o.smallest = std::min(o.smallest, width);

@@ -5,17 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <system_error>
 
 #include "core/diagnostics.hpp"
 #include "dynamics/result_fields.hpp"
+#include "output/collective.hpp"
+#include "output/file.hpp"
+#include "output/restart.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
 
 namespace {
+
+std::string restart_path(const std::string& folder) { return folder + "/restart/restart.h5"; }
 
 const std::vector<HistoryColumn> history_columns = {{"time", "s"},
                                                     {"dt", "s"},
@@ -24,6 +27,7 @@ const std::vector<HistoryColumn> history_columns = {{"time", "s"},
                                                     {"hourglass", "J"},
                                                     {"bulk_viscosity", "J"},
                                                     {"contact", "J"},
+                                                    {"friction", "J"},
                                                     {"external", "J"},
                                                     {"eroded", "J"},
                                                     {"balance_error", "-"},
@@ -32,15 +36,18 @@ const std::vector<HistoryColumn> history_columns = {{"time", "s"},
                                                     {"momentum_z", "kg m/s"},
                                                     {"mass", "kg"},
                                                     {"eroded_count", "-"},
+                                                    {"let_go_count", "-"},
                                                     {"imbalance", "-"}};
 
 // A run that is killed leaves neither a summary nor, if it started anew, a restart file: those of an earlier run would
-// be taken for its own.
+// be taken for its own. The newest restart file goes first, so that a kill between the two leaves the earlier run with
+// the older of them.
 void remove_what_is_stale(const ReportSettings& settings) {
-  std::error_code none_there;
-  std::filesystem::remove(settings.folder + "/summary.json", none_there);
-  const std::string restart = settings.folder + "/restart/";
-  if (!settings.resume) std::filesystem::rename(restart + "restart.h5", restart + "earlier_run.h5", none_there);
+  remove_if_there(settings.folder + "/summary.json");
+  if (settings.resume) return;
+  const std::string newest = restart_path(settings.folder);
+  rename_if_there(newest, settings.folder + "/restart/earlier_run.h5");
+  remove_if_there(previous_restart(newest));
 }
 
 double seconds_now() { return MPI_Wtime(); }
@@ -61,46 +68,82 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
   history_interval_ = o.history_interval > 0.0 ? o.history_interval : input.time.end / 200.0;
   restart_interval_ = o.restart_interval;
   const Model& model = simulation.model();
-  if (root()) std::filesystem::create_directories(settings.folder);
-  MPI_Barrier(model.comm);
-  const std::string folder = settings.folder + "/";
+  on_root(model.comm, [&] { std::filesystem::create_directories(settings.folder); });
   eroded_by_.assign(8 * model.parts.size(), 0);
-  if (settings.resume) {
-    due_ = read_checkpoint(folder + "restart/restart.h5", settings.input_digest, simulation);
-    if (root()) remove_what_is_stale(settings);
-    if (root()) eroded_by_ = due_.eroded_by;
-    first_element_cycles_ = simulation.element_cycles();
-    const double time = simulation.clock().time();
-    results_ = std::make_unique<ResultsWriter>(
-        ResultsWriter::reopen(model.comm, folder + "results.vtkhdf", static_cast<int>(due_.n_frames)));
-    require_same_fields();  // before the tables are cut back
-    history_ = std::make_unique<HistoryWriter>(
-        HistoryWriter::resume(model.comm, folder + "history.csv", history_columns, time));
-    erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
-    last_ = simulation_.sample();
-    // What the earlier run has written of this moment is not written again.
-    if (results_->last_time() == time) last_frame_cycle_ = simulation.clock().cycle();
-    if (history_->last_time() == time) last_history_cycle_ = simulation.clock().cycle();
-  } else {
-    if (root()) remove_what_is_stale(settings);
-    results_ = std::make_unique<ResultsWriter>(model.comm, folder + "results.vtkhdf", model.n_nodes, model.n_elements,
-                                               o.precision == "double");
-    history_ = std::make_unique<HistoryWriter>(model.comm, folder + "history.csv", history_columns);
-    erosion_log_ = std::make_unique<ErosionLog>(model.comm, folder + "erosion.csv");
-    write_topology(model, *results_);
-    write_frame();
-    write_history(false);
-    due_.next_results = results_interval_;
-    due_.next_history = history_interval_;
-    due_.next_restart = restart_interval_;
-  }
+  if (settings.resume)
+    resume(settings.folder + "/");
+  else
+    start_anew(settings.folder + "/");
   simulation.observe(*this);
   setup_seconds_ = simulation.timers().seconds("setup");
   start_seconds_ = last_progress_seconds_ = seconds_now();
-  if (root())
-    fmt::print("{} elements, {} nodes, {} rank{}; first stable step {:.4g} s\n", model.n_elements, model.n_nodes,
-               model.n_ranks(), model.n_ranks() == 1 ? "" : "s", simulation.first_stable_step());
-  std::fflush(stdout);
+  print(fmt::format("{} elements, {} nodes, {} rank{}; first stable step {:.4g} s\n", model.n_elements, model.n_nodes,
+                    model.n_ranks(), model.n_ranks() == 1 ? "" : "s", simulation.first_stable_step()));
+}
+
+void Reporter::start_anew(const std::string& folder) {
+  const Model& model = simulation_.model();
+  on_root(model.comm, [&] { remove_what_is_stale(settings_); });
+  results_ = std::make_unique<ResultsWriter>(model.comm, folder + "results.vtkhdf", model.n_nodes, model.n_elements,
+                                             input_.output.precision == "double");
+  history_ = std::make_unique<HistoryWriter>(model.comm, folder + "history.csv", history_columns);
+  erosion_log_ = std::make_unique<ErosionLog>(model.comm, folder + "erosion.csv");
+  write_topology(model, *results_);
+  write_frame();
+  write_history(false);
+  due_.next_results = results_interval_;
+  due_.next_history = history_interval_;
+  due_.next_restart = restart_interval_;
+}
+
+void Reporter::resume(const std::string& folder) {
+  const Model& model = simulation_.model();
+  due_ = read_newest_restart();
+  on_root(model.comm, [&] { remove_what_is_stale(settings_); });
+  if (root()) eroded_by_ = due_.eroded_by;
+  first_element_cycles_ = simulation_.element_cycles();
+  const double time = simulation_.clock().time();
+  results_ = std::make_unique<ResultsWriter>(
+      ResultsWriter::reopen(model.comm, folder + "results.vtkhdf", static_cast<int>(due_.n_frames)));
+  require_same_fields();  // before the tables are cut back
+  history_ =
+      std::make_unique<HistoryWriter>(HistoryWriter::resume(model.comm, folder + "history.csv", history_columns, time));
+  erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
+  last_ = simulation_.sample();
+  // What the earlier run has written of this moment is not written again.
+  if (results_->last_time() == time) last_frame_cycle_ = simulation_.clock().cycle();
+  if (history_->last_time() == time) last_history_cycle_ = simulation_.clock().cycle();
+}
+
+/// Goes on from the restart file before the newest where that is absent or damaged, and says so. All ranks take the
+/// same, since a file is found damaged by all of them or by none.
+OutputProgress Reporter::read_newest_restart() {
+  const std::string newest = restart_path(settings_.folder), previous = previous_restart(newest);
+  std::string reason;
+  try {
+    const OutputProgress progress = read_checkpoint(newest, settings_.input_digest, simulation_);
+    last_restart_cycle_ = simulation_.clock().cycle();
+    return progress;
+  } catch (const OutputError& e) {
+    reason = e.what();
+  }
+  try {
+    const OutputProgress progress = read_checkpoint(previous, settings_.input_digest, simulation_);
+    print(fmt::format("note: {}; going on from the restart file before it, {}\n", reason, previous));
+    // Out of the way: it must not take the place of the good one when the next file is written.
+    on_root(simulation_.model().comm,
+            [&] { rename_if_there(newest, settings_.folder + "/restart/restart_damaged.h5"); });
+    return progress;
+  } catch (const OutputError& e) {
+    throw InputError(
+        {fmt::format("{}: error: there is no restart file that can be used: {}; and {}; run without "
+                     "--resume",
+                     newest, reason, e.what())});
+  }
+}
+
+void Reporter::print(const std::string& text) const {
+  on_root(simulation_.model().comm, [&] { print_now(text); });
 }
 
 Reporter::~Reporter() = default;
@@ -180,6 +223,7 @@ void Reporter::write_history(bool check) {
                         b.hourglass,
                         b.bulk_viscosity,
                         b.contact,
+                        b.friction,
                         b.external,
                         b.eroded,
                         b.error,
@@ -188,33 +232,36 @@ void Reporter::write_history(bool check) {
                         b.momentum.z,
                         b.live_mass + b.free_mass,
                         static_cast<double>(b.eroded_elements),
+                        static_cast<double>(b.let_go.nodes),
                         Balancer::imbalance(simulation_.model())};
   history_->write(row);
   if (check) simulation_.check(b);
 }
 
 void Reporter::write_restart() {
-  if (root()) std::filesystem::create_directories(settings_.folder + "/restart");
-  MPI_Barrier(simulation_.model().comm);
+  on_root(simulation_.model().comm, [&] { std::filesystem::create_directories(settings_.folder + "/restart"); });
+  history_->sync();  // rows up to the time of the restart file must be there when it is
+  erosion_log_->sync();
   due_.n_frames = results_->n_frames();
   due_.eroded_by = eroded_by_;
   MPI_Allreduce(MPI_IN_PLACE, due_.eroded_by.data(), static_cast<int>(due_.eroded_by.size()), MPI_INT64_T, MPI_SUM,
                 simulation_.model().comm);
-  write_checkpoint(settings_.folder + "/restart/restart.h5", settings_.input_digest, simulation_, due_);
+  write_checkpoint(restart_path(settings_.folder), settings_.input_digest, simulation_, due_);
+  last_restart_cycle_ = simulation_.clock().cycle();
 }
 
 void Reporter::progress_line() {
   const double imbalance = Balancer::imbalance(simulation_.model());
-  if (!root()) return;
   const double elapsed = seconds_now() - start_seconds_;
   const double share = simulation_.clock().time() / input_.time.end;
-  fmt::print(
-      "cycle {:7d}  t {:.4e} s  dt {:.3e} s (element {})  energy {:+.3f} %  eroded {:6d}  imbalance {:.3f}  "
+  const std::int64_t id = simulation_.reduction().least_id;
+  print(fmt::format(
+      "cycle {:7d}  t {:.4e} s  dt {:.3e} s ({})  energy {:+.3f} %  eroded {:6d}  {}imbalance {:.3f}  "
       "elapsed {:.1f} s  left {:.0f} s\n",
       simulation_.clock().cycle(), simulation_.clock().time(), simulation_.clock().last_dt(),
-      simulation_.reduction().least_id, 100.0 * last_.error, last_.eroded_elements, imbalance, elapsed,
-      share > 0.0 ? elapsed * (1.0 - share) / share : 0.0);
-  std::fflush(stdout);
+      id >= 0 ? fmt::format("element {}", id) : "contact", 100.0 * last_.error, last_.eroded_elements,
+      last_.let_go.nodes > 0 ? fmt::format("let go {:d}  ", last_.let_go.nodes) : "", imbalance, elapsed,
+      share > 0.0 ? elapsed * (1.0 - share) / share : 0.0));
 }
 
 void Reporter::finish(const std::string& exit) {
@@ -222,14 +269,28 @@ void Reporter::finish(const std::string& exit) {
     const auto scope = simulation_.timers().measure("output");
     if (last_history_cycle_ != simulation_.clock().cycle()) write_history(false);
     if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
-    const bool out_of_cycles = exit == "completed" && !simulation_.clock().at_end();
-    if (exit == "signal" || (out_of_cycles && restart_interval_ > 0.0)) write_restart();
+    const bool wanted = exit == "signal" || (exit == "completed" && input_.output.restart_at_end);
+    if (wanted && last_restart_cycle_ != simulation_.clock().cycle()) write_restart();
+    results_->close();
+    history_->close();
+    erosion_log_->close();
     results_.reset();  // makes room for what measures need
   }
   const Summary summary = summarise(exit);
+  on_root(simulation_.model().comm, [&] {
+    write_summary(settings_.folder + "/summary.json", summary);
+    print_now(table_of(summary));
+  });
+}
+
+void Reporter::give_up(const std::string& failure) {
+  results_.reset();
+  const Summary summary = summarise(failure);
   if (!root()) return;
-  write_summary(settings_.folder + "/summary.json", summary);
-  print_table(summary);
+  try {
+    write_summary(settings_.folder + "/summary.json", summary);
+  } catch (const std::exception&) {  // the failure that counts is on its way already
+  }
 }
 
 }  // namespace kerf

@@ -29,8 +29,14 @@ class Reporter final : public StepObserver {
   void after_step(Simulation& simulation, const Step& step) override;
   /// Last frame, last row, summary, closing table. `exit` is "completed", "signal", or what went wrong. Collective.
   void finish(const std::string& exit);
+  /// After a failure of output: the summary, where there is still room for it. Collective.
+  void give_up(const std::string& failure);
 
  private:
+  void resume(const std::string& folder);
+  void start_anew(const std::string& folder);
+  OutputProgress read_newest_restart();
+  void print(const std::string& text) const;
   void require_same_fields() const;
   void write_frame();
   void write_history(bool check);
@@ -40,7 +46,7 @@ class Reporter final : public StepObserver {
   void add_parts(Summary& summary);
   void add_measures(Summary& summary);
   void add_timers(Summary& summary);
-  void print_table(const Summary& summary) const;
+  std::string table_of(const Summary& summary) const;
   bool root() const { return simulation_.model().rank() == 0; }
 
   Simulation& simulation_;
@@ -54,7 +60,7 @@ class Reporter final : public StepObserver {
   Balance last_;
   double results_interval_ = 0.0, history_interval_ = 0.0, restart_interval_ = 0.0, start_seconds_ = 0.0;
   double last_progress_seconds_ = 0.0, next_progress_ = 0.0, setup_seconds_ = 0.0;
-  std::int64_t last_history_cycle_ = -1, last_frame_cycle_ = -1;
+  std::int64_t last_history_cycle_ = -1, last_frame_cycle_ = -1, last_restart_cycle_ = -1;
   void count_eroded(const std::vector<ErosionRecord>& records);
 
   // Elements eroded by this rank, per part and position of the criterion in the part's list of at most eight.

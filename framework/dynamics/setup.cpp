@@ -13,6 +13,7 @@
 #include "core/physics_error.hpp"
 #include "dynamics/element_loop.hpp"
 #include "dynamics/ledger.hpp"
+#include "dynamics/names.hpp"
 #include "mesh/node_choice.hpp"
 #include "mesh/quality.hpp"
 #include "parallel/communicator.hpp"
@@ -22,7 +23,7 @@ namespace kerf {
 
 namespace {
 
-/// Bulk and shear modulus of the undeformed material, asked of its laws.
+/// Bulk and shear modulus and pressure of the undeformed material, asked of its laws.
 void ask_moduli(PartModel& part) {
   const MaterialInput& m = *part.material;
   double zero[6][lane_width] = {}, stress[6][lane_width] = {}, density[lane_width], none[lane_width] = {};
@@ -55,6 +56,8 @@ void ask_moduli(PartModel& part) {
   m.eos->evaluate(e);
   part.shear_modulus = shear[0];
   part.bulk_modulus = bulk[0];
+  part.initial_pressure = pressure[0];
+  part.initial_energy = m.eos->initial_energy_density() / m.density;
 }
 
 class SetMarker {
@@ -79,6 +82,9 @@ class SetMarker {
   };
   std::vector<Rule> rules_;
 };
+
+/// Edge of the dummies over the longest edge of all elements.
+constexpr double dummy_size = 16.0;
 
 /// What a rank learns of its share of the mesh while it makes it.
 struct MeshFacts {
@@ -172,6 +178,36 @@ void refuse_beyond_floats(const Model& model, const MeshFacts& facts) {
   if (!errors.empty()) throw InputError(errors);
 }
 
+/// Greatest speed of a node at time zero, and of what conditions impose on nodes in the course of the run [m/s].
+/// Collective.
+double greatest_speed(const Model& model) {
+  constexpr int n_looks = 32;  // at a motion that changes with time
+  const double end = model.input->time.end, dt = 1e-3 * end / n_looks;
+  double square = 0.0;
+  const auto see = [&square](Vec3 v) { square = std::max(square, dot(v, v)); };
+  for (const auto& b : model.input->boundaries)
+    for (int look = 0; look < n_looks; ++look) {
+      const HalfSpace from = b->region(end * look / n_looks), to = b->region(end * look / n_looks + dt);
+      if (const double length = norm(to.normal); length > 0.0)
+        see(to.normal * ((to.offset - from.offset) / (dt * length * length)));
+    }
+  std::vector<NodeGroup> groups;
+  for (const auto& b : model.input->boundaries) groups.emplace_back(model, b->nodes());
+  for (int i = 0; i < model.nodes.n(); ++i) {
+    Vec3 v = model.nodes.v(i);
+    see(v);
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      if (!groups[k].holds(model.nodes, i)) continue;
+      const Boundary& b = *model.input->boundaries[k];
+      const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), v};
+      see(v = b.initial(node, v));
+      if (b.ask(node.position) != Boundary::Ask::always) continue;
+      for (int look = 0; look < n_looks; ++look) see(b.constrain(node, {end * look / n_looks + 0.5 * dt, dt}, Vec3{}));
+    }
+  }
+  return std::sqrt(greatest(model.comm, square));
+}
+
 /// Lumped nodal masses: an eighth of each element, summed in whole quanta over all ranks.
 void lump_masses(Model& model) {
   double largest = 0.0;
@@ -187,6 +223,20 @@ void lump_masses(Model& model) {
     }
   sum_over_copies(model, sums.data(), 1);
   for (int i = 0; i < model.nodes.n(); ++i) model.nodes.set_mass(i, static_cast<double>(sums[i]) * quantum);
+}
+
+/// From what the laws, the motion at time zero and the conditions say. Collective.
+void set_force_quantum(Model& model) {
+  // What two bodies that meet head on can press on each other: at least rho v^2 each, which in a cold gas is more than
+  // any modulus.
+  const double closing = 2.0 * greatest_speed(model), longest = model.dummy_edge / dummy_size;
+  double stiffest = 0.0;
+  for (const PartModel& part : model.parts)
+    stiffest = std::max({stiffest, part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus, std::fabs(part.initial_pressure),
+                         part.material->density * closing * closing});
+  // 64 times the stiffest modulus on the largest face is the largest force that fits (design, section 5).
+  model.quanta.force.quantum = power_of_two_above(64.0 * stiffest * longest * longest) / ForceScale::limit;
+  model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
 }
 
 }  // namespace
@@ -259,18 +309,12 @@ void generate_mesh(Model& model) {
   }
   refuse_unusable(model, facts);
   refuse_beyond_floats(model, facts);
-  const double longest = greatest(model.comm, facts.longest_edge);
-  model.dummy_edge = 16.0 * longest;
+  model.dummy_edge = dummy_size * greatest(model.comm, facts.longest_edge);
   model.scale = {least(model.comm, facts.scale.shortest_edge), greatest(model.comm, facts.scale.farthest)};
   for (const auto& boundary : model.input->boundaries) boundary->prepare(model.scale);
-  double stiffest = 0.0;
-  for (const PartModel& part : model.parts)
-    stiffest = std::max(stiffest, part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus);
-  // 64 times the stiffest modulus on the largest face is the largest force that fits (design, section 5).
-  model.quanta.force.quantum = power_of_two_above(64.0 * stiffest * longest * longest) / ForceScale::limit;
-  model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
   assemble(model, std::move(bundle));
   lump_masses(model);
+  set_force_quantum(model);
 }
 
 }  // namespace kerf

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <limits>
+#include <tuple>
 
 #include "core/diagnostics.hpp"
 #include "core/fixed_sum.hpp"
@@ -20,6 +22,8 @@ namespace {
 
 enum Flag : std::int64_t { flag_trouble = 1, flag_failed = 2, flag_signal = 4 };
 
+constexpr double unseen = 0.6;  // of its least reach, that contact lets anything travel in a step
+
 volatile std::sig_atomic_t signal_seen = 0;
 extern "C" void note_signal(int number) { signal_seen = number; }
 
@@ -31,8 +35,9 @@ void combine(void* in, void* inout, int* n, MPI_Datatype*) {
     const std::int64_t flags = a[i].flags | b[i].flags;
     if (a[i].least_step < b[i].least_step || (a[i].least_step == b[i].least_step && a[i].least_id >= 0 &&
                                               (b[i].least_id < 0 || a[i].least_id < b[i].least_id)))
-      b[i] = a[i];
+      std::tie(b[i].least_step, b[i].least_id) = std::tie(a[i].least_step, a[i].least_id);
     b[i].flags = flags;
+    b[i].speeds.join(a[i].speeds);
   }
 }
 
@@ -79,12 +84,27 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
   Step none;
   reduce(none, report);
   first_stable_ = reduction_.least_step;
+  if (!contacts_.empty()) start_contact(report);
   for (std::string& line : model_warnings(model_, cover)) warnings_.push_back(std::move(line));
   for (PartModel& part : model_.parts) {
     std::vector<double> mass;
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
     part.initial_mass = order_free_sum(comm, mass);
   }
+}
+
+/// Bodies that touch or are about to ask for a short first step, which shows only when it has been tried.
+void Simulation::start_contact(const ElementReport& report) {
+  const std::vector<std::int64_t> forces(model_.nodes.force.begin(), model_.nodes.force.end());
+  const Step none;
+  StepReduction tried;
+  do {
+    tried = reduction_;
+    std::copy(forces.begin(), forces.end(), model_.nodes.force.begin());
+    add_contact_forces(none);
+    reduce(none, report);
+  } while (reduction_.least_step < tried.least_step);
+  reduction_ = tried;
 }
 
 /// Throws where nodes cannot start as they stand, or bodies that may touch overlap.
@@ -119,18 +139,26 @@ void Simulation::renumbered() {
 /// What all definitions together put on each node, as a restart file has it: the work of a sum is rounded once.
 ContactLoad Simulation::load() const {
   if (contacts_.size() == 1) return contacts_.front()->load();
-  std::vector<std::pair<std::int32_t, const std::int64_t*>> parts;  // node, force
+  struct Part {
+    std::int32_t node;
+    const std::int64_t *force, *friction;
+  };
+  std::vector<Part> parts;
   for (const auto& c : contacts_)
     for (std::size_t k = 0; k < c->load().nodes.size(); ++k)
-      parts.emplace_back(c->load().nodes[k], &c->load().force[4 * k]);
-  std::sort(parts.begin(), parts.end());
+      parts.push_back({c->load().nodes[k], &c->load().force[4 * k], &c->load().friction[4 * k]});
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.node < b.node; });
   ContactLoad sum;
-  for (const auto& [node, force] : parts) {
+  for (const auto& [node, force, friction] : parts) {
     if (sum.nodes.empty() || sum.nodes.back() != node) {
       sum.nodes.push_back(node);
       sum.force.insert(sum.force.end(), 4, 0);
+      sum.friction.insert(sum.friction.end(), 4, 0);
     }
-    for (std::size_t d = 0; d < 3; ++d) sum.force[sum.force.size() - 4 + d] += force[d];
+    for (std::size_t d = 0; d < 3; ++d) {
+      sum.force[sum.force.size() - 4 + d] += force[d];
+      sum.friction[sum.friction.size() - 4 + d] += friction[d];
+    }
   }
   return sum;
 }
@@ -171,24 +199,47 @@ void Simulation::add_forces(const Step& step) {
     report = add_internal_forces(model_, step, *erosion_, ledger_);
     element_cycles_ += model_.n_live_local();
   }
+  {
+    const auto scope = timers_.measure("halo");
+    sum_over_copies(model_, model_.nodes.force.data(), 4);
+    reduce(step, report);
+  }
+  add_contact_forces(step);
+}
+
+/// Contact needs to know what all other forces will do in the coming step.
+void Simulation::add_contact_forces(const Step& step) {
+  if (contacts_.empty()) return;
+  const Prediction prediction(integrator_, model_, next_step());
   for (auto& c : contacts_) {
-    c->add_forces(model_, step, timers_);
-    if (report.trouble.empty()) report.trouble = c->trouble();
+    c->add_forces(model_, step, prediction, timers_);
+    for (const ContactTouches::LetGo& l : c->touches().all_let_go())
+      ledger_.let_go.add(c->part_of(l.node), std::llrint(c->mass_of(l.node) / ledger_.mass_quantum), l.depth,
+                         prediction.step().end());
   }
   load_ = load();
   const auto scope = timers_.measure("halo");
-  sum_over_copies(model_, model_.nodes.force.data(), 4);
-  reduce(step, report);
+  copy_to_ghosts(model_, model_.nodes.force.data(), 4);
 }
 
-void Simulation::reduce(const Step& step, const ElementReport& report) {
+void Simulation::reduce(const Step& step, ElementReport report) {
   StepReduction mine;
   mine.least_step = report.least_step;
   mine.least_id = report.least_id;
+  mine.speeds = contact_speeds();
+  for (const auto& c : contacts_)
+    if (report.trouble.empty()) report.trouble = c->trouble();
   if (!report.trouble.empty()) mine.flags |= flag_trouble;
   if (report.failed) mine.flags |= flag_failed;
   if (signal_seen != 0) mine.flags |= flag_signal;
   reduction_ = all_reduce(model_.comm, mine);
+  double allowed = contact_step(reduction_.speeds);
+  if (resumed_contact_step_ > 0.0) allowed = resumed_contact_step_;
+  resumed_contact_step_ = 0.0;
+  if (allowed < input_.time.safety_factor * reduction_.least_step) {
+    reduction_.least_step = allowed / input_.time.safety_factor;
+    reduction_.least_id = -1;
+  }
   if ((reduction_.flags & flag_trouble) != 0) stop(report.trouble, report.trouble_id, step);
   signalled_ = (reduction_.flags & flag_signal) != 0;
   const double first = first_stable_ > 0.0 ? first_stable_ : reduction_.least_step;
@@ -240,10 +291,32 @@ void Simulation::stop(const std::string& local_trouble, std::int64_t id, const S
 
 bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) != 0; }
 
-Balance Simulation::sample() { return integrator_.sample(model_, next_step(), load_, ledger_); }
+Balance Simulation::sample() {
+  Balance b = integrator_.sample(model_, next_step(), load_, ledger_);
+  ledger_.judge_contact(b);
+  return b;
+}
+
+ContactSpeeds Simulation::contact_speeds() const {
+  ContactSpeeds all;
+  for (const auto& c : contacts_) all.join(c->speeds());
+  return all;
+}
+
+/// The longest step in which contact misses nothing [s]: no pair closes too far, and no node comes from where no facet
+/// sees it to behind one.
+double Simulation::contact_step(const ContactSpeeds& speeds) const {
+  double least_reach = std::numeric_limits<double>::max();
+  for (const auto& c : contacts_) least_reach = std::min(least_reach, c->least_reach());
+  const double speed = speeds.fastest_pair();
+  return std::min(speeds.longest_step, speed > 0.0 ? unseen * least_reach / speed : speeds.longest_step);
+}
 
 Simulation::Progress Simulation::progress() const {
   Progress p;
+  StepReduction now;
+  now.speeds = contact_speeds();
+  p.contact_step = contact_step(all_reduce(model_.comm, now).speeds);
   p.time = clock_.time();
   p.last_dt = clock_.last_dt();
   p.cycle = clock_.cycle();
@@ -260,6 +333,7 @@ void Simulation::resume(const Progress& p) {
   reduction_ = p.reduction;
   reduction_.flags = 0;
   first_stable_ = p.first_stable;
+  resumed_contact_step_ = p.contact_step;
   balancer_.distribute(model_);
   balancer_.restore(p.last_rebalance);
   renumbered();
@@ -268,7 +342,9 @@ void Simulation::resume(const Progress& p) {
     const auto it = p.contact_force.find(model_.nodes.id[i]);
     if (!model_.nodes.owned[i] || it == p.contact_force.end()) continue;
     load_.nodes.push_back(i);
-    load_.force.insert(load_.force.end(), {it->second[0], it->second[1], it->second[2], 0});
+    const auto& f = it->second;
+    load_.force.insert(load_.force.end(), {f[0], f[1], f[2], 0});
+    load_.friction.insert(load_.friction.end(), {f[3], f[4], f[5], 0});
   }
 }
 
@@ -276,6 +352,13 @@ void Simulation::resume(const Progress& p) {
 void Simulation::check(const Balance& b) const {
   check_speeds(b.time);
   check_energy(b);
+  const LetGo& l = b.let_go;
+  if (!(static_cast<double>(l.mass) * ledger_.mass_quantum <= input_.checks.let_go * ledger_.initial_mass))
+    throw PhysicsError(fmt::format(
+        "contact has let go of {} nodes, which came to lie up to {:.4g} m inside a body, with more than checks.let_go "
+        "({:.3g}) of the mass of the model, the first at time {:.6g} s; refine the mesh where bodies meet, or lower "
+        "time.safety_factor; at time {:.6g} s, cycle {}",
+        l.nodes, l.deepest, input_.checks.let_go, l.first_time, b.time, clock_.cycle()));
 }
 
 void Simulation::check_energy(const Balance& b) const {

@@ -24,8 +24,9 @@ namespace kerf {
 /// What all ranks know after a step.
 struct StepReduction {
   double least_step = 0.0;  // [s]
-  std::int64_t least_id = -1;  // element that sets it
+  std::int64_t least_id = -1;  // element that sets it; -1 where it is contact
   std::int64_t flags = 0;  // or of all ranks
+  ContactSpeeds speeds;  // of contact in the step before
 };
 
 /// Called by the loop at its named points; a researcher's way in without editing the loop.
@@ -80,9 +81,10 @@ class Simulation {
     double time = 0.0, last_dt = 0.0;
     std::int64_t cycle = 0, last_rebalance = 0, element_cycles = 0;
     StepReduction reduction;
-    double first_stable = 0.0;
-    std::unordered_map<std::int64_t, std::array<std::int64_t, 3>> contact_force;  // by node id, any superset
+    double first_stable = 0.0, contact_step = 0.0;
+    std::unordered_map<std::int64_t, std::array<std::int64_t, 6>> contact_force;  // and friction; by node id, any superset
   };
+  /// Collective.
   Progress progress() const;
   /// After the model was assembled from a restart: distributes it and takes up the clock.
   void resume(const Progress& progress);
@@ -92,12 +94,16 @@ class Simulation {
   void renumbered();
   void rebalance(const Step& step);
   void add_forces(const Step& step);
-  void reduce(const Step& step, const ElementReport& report);
+  void start_contact(const ElementReport& report);
+  void add_contact_forces(const Step& step);
+  void reduce(const Step& step, ElementReport report);
   void erode(const Step& step);
   void check_energy(const Balance& balance) const;
   void check_speeds(double time) const;
   [[noreturn]] void stop(const std::string& local_trouble, std::int64_t id, const Step& step) const;
   ContactLoad load() const;
+  ContactSpeeds contact_speeds() const;
+  double contact_step(const ContactSpeeds& speeds) const;
 
   const ModelInput& input_;
   Model model_;
@@ -116,6 +122,7 @@ class Simulation {
   std::int64_t element_cycles_ = 0;
   double first_stable_ = 0.0;
   int n_overlaps_ = 0;
+  double resumed_contact_step_ = 0.0;  // what contact allowed when the restart was written [s]; 0 if not resumed
   bool signalled_ = false;
 };
 

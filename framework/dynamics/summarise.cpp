@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <iterator>
 #include <limits>
 
 #include "core/assert.hpp"
@@ -92,6 +92,40 @@ MeasureModel gather_model(const Model& model) {
   return m;
 }
 
+/// Energy that live elements hold elastically and would give back: |s|^2 / (4 G) + p^2 / (2 K) times the volume with
+/// the undeformed moduli, and no more than the element's internal energy without the bulk viscosity's share.
+/// Collective.
+double elastic_energy(const Model& model) {
+  std::vector<double> elastic;
+  for (const PartModel& part : model.parts) {
+    const PartStore& store = *part.store;
+    for (int s = 0; s < store.n_slots(); ++s) {
+      if (!store.live(s)) continue;
+      const auto field = [&](PartStore::FieldIndex f, int c = 0) { return store.field(f).at(s, c); };
+      double square = 0.0;
+      for (int c = 0; c < 6; ++c)
+        square += (c < 3 ? 1.0 : 2.0) * field(PartStore::deviator, c) * field(PartStore::deviator, c);
+      const double p = field(PartStore::pressure);
+      const double density = (part.shear_modulus > 0.0 ? square / (4.0 * part.shear_modulus) : 0.0) +
+                             (part.bulk_modulus > 0.0 ? p * p / (2.0 * part.bulk_modulus) : 0.0);
+      const double held = field(PartStore::internal_energy) - field(PartStore::viscous_energy);
+      elastic.push_back(std::clamp(density * field(PartStore::volume), 0.0, std::max(held, 0.0)));
+    }
+  }
+  return order_free_sum(model.comm, elastic);
+}
+
+/// A sentence where hourglass control has taken more than a tenth of what was dissipated, and more than a hundredth of
+/// what there was; otherwise nothing.
+std::string hourglass_warning(const Summary& s) {
+  const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
+  if (!(s.hourglass.share() > 0.1) || !(s.hourglass.energy > 0.01 * present)) return {};
+  return fmt::format(
+      "warning: hourglass control took {:.0f} % of all energy that was dissipated; expected less than 10 %: refine the "
+      "mesh, spread concentrated loads, or choose hourglass: stiffness or another hourglass_coefficient\n",
+      100.0 * s.hourglass.share());
+}
+
 }  // namespace
 
 Summary Reporter::summarise(const std::string& exit) {
@@ -120,7 +154,19 @@ Summary Reporter::summarise(const std::string& exit) {
               b.contact,
               b.external,
               b.eroded,
-              b.error};
+              b.error,
+              b.friction,
+              b.given_back};
+  s.contact_let_go = {b.let_go.nodes,
+                      static_cast<double>(b.let_go.mass) * simulation_.ledger().mass_quantum,
+                      b.let_go.deepest,
+                      b.let_go.first_time,
+                      {}};
+  for (std::size_t p = 0; p < b.let_go.by_part.size(); ++p)
+    if (b.let_go.by_part[p] > 0) s.contact_let_go.by_part[model.parts[p].input->name] = b.let_go.by_part[p];
+  s.hourglass.energy = b.hourglass;
+  s.hourglass.dissipated = std::max(0.0, b.internal - elastic_energy(model)) + b.hourglass + b.bulk_viscosity +
+                           std::max(0.0, b.contact) + b.eroded;
   s.momentum.initial = triple(simulation_.ledger().initial_momentum);
   s.momentum.final = triple(b.momentum);
   s.momentum.eroded = triple(b.dropped_momentum);
@@ -195,36 +241,44 @@ void Reporter::add_timers(Summary& summary) {
   }
 }
 
-void Reporter::print_table(const Summary& s) const {
-  fmt::print("\n{}: {} cycles to {:.6g} s, {} rank{}, {:.2f} s ({:.3f} million element cycles per second)\n", s.exit,
-             s.cycles, s.end_time, s.ranks, s.ranks == 1 ? "" : "s", s.wall_seconds,
-             s.element_cycles_per_second * 1e-6);
-  fmt::print("state hash {}\n\nenergy [J]\n", s.state_hash);
+std::string Reporter::table_of(const Summary& s) const {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "\n{}: {} cycles to {:.6g} s, {} rank{}, {:.2f} s ({:.3f} million element cycles per second)\n",
+                 s.exit, s.cycles, s.end_time, s.ranks, s.ranks == 1 ? "" : "s", s.wall_seconds,
+                 s.element_cycles_per_second * 1e-6);
+  fmt::format_to(out, "state hash {}\n\nenergy [J]\n", s.state_hash);
   const std::pair<const char*, double> rows[] = {{"initial", s.energy.initial},
                                                  {"kinetic", s.energy.kinetic},
                                                  {"internal", s.energy.internal},
                                                  {"hourglass", s.energy.hourglass},
                                                  {"bulk viscosity", s.energy.bulk_viscosity},
                                                  {"contact", s.energy.contact},
+                                                 {"  by friction", s.energy.friction},
                                                  {"external work", s.energy.external},
                                                  {"eroded", s.energy.eroded}};
-  for (const auto& [name, value] : rows) fmt::print("  {:<16}{:>16.6g}\n", name, value);
-  fmt::print("  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
-  fmt::print("\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
+  for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
+  fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
+  fmt::format_to(out, "  {:<16}{:>15.2f} %\n", "hourglass share", 100.0 * s.hourglass.share());
+  fmt::format_to(out, "{}", hourglass_warning(s));
+  fmt::format_to(out, "\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
   for (const auto& [name, p] : s.parts)
-    fmt::print("{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,
-               norm({p.velocity[0], p.velocity[1], p.velocity[2]}));
+    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,
+                   norm({p.velocity[0], p.velocity[1], p.velocity[2]}));
+  if (s.contact_let_go.nodes > 0)
+    fmt::print("\nwarning: contact has let go of {} nodes, up to {:.4g} m deep, the first at {:.6g} s\n",
+               s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time);
   if (s.eroded.elements > 0) {
-    fmt::print("\neroded by");
-    for (const auto& [name, n] : s.eroded.by_criterion) fmt::print("  {} {}", name, n);
-    fmt::print("\n");
+    fmt::format_to(out, "\neroded by");
+    for (const auto& [name, n] : s.eroded.by_criterion) fmt::format_to(out, "  {} {}", name, n);
+    fmt::format_to(out, "\n");
   }
-  if (!s.measures.empty()) fmt::print("\nmeasures\n");
-  for (const auto& [name, value] : s.measures) fmt::print("  {:<32}{:>14.6g}\n", name, value);
-  fmt::print("\ntime [s]\n");
-  for (const auto& [name, t] : s.timers) fmt::print("  {:<16}{:>10.3f}\n", name, t.mean);
-  fmt::print("output in {}\n", settings_.folder);
-  std::fflush(stdout);
+  if (!s.measures.empty()) fmt::format_to(out, "\nmeasures\n");
+  for (const auto& [name, value] : s.measures) fmt::format_to(out, "  {:<32}{:>14.6g}\n", name, value);
+  fmt::format_to(out, "\ntime [s]\n");
+  for (const auto& [name, t] : s.timers) fmt::format_to(out, "  {:<16}{:>10.3f}\n", name, t.mean);
+  fmt::format_to(out, "output in {}\n", settings_.folder);
+  return fmt::to_string(text);
 }
 
 }  // namespace kerf

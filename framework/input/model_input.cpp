@@ -101,10 +101,12 @@ void OutputInput::describe(Schema<OutputInput>& s) {
   s.real(&OutputInput::history_interval, "history_interval", "s", positive,
          "time between two lines of history.csv; by default a two-hundredth of the run")
       .optional();
-  s.real(
-       &OutputInput::restart_interval, "restart_interval", "s", positive,
-       "time between two restart files; the end of maximum_cycles writes one then, too; by default only a signal does")
+  s.real(&OutputInput::restart_interval, "restart_interval", "s", positive,
+         "time between two restart files; by default there are none on the way")
       .optional();
+  s.boolean(&OutputInput::restart_at_end, "restart_at_end",
+            "write a restart file at the end, so that the run can be prolonged; a signal always does")
+      .by_default("true");
   s.integer(&OutputInput::progress_interval, "progress_interval", non_negative,
             "cycles between two progress lines; 0 for about twenty lines in a run")
       .by_default("0");
@@ -122,6 +124,9 @@ void ChecksInput::describe(Schema<ChecksInput>& s) {
   s.real(&ChecksInput::energy_growth, "energy_growth", "-", positive,
          "the run stops when the energy balance error exceeds this")
       .by_default("0.05");
+  s.real(&ChecksInput::let_go, "let_go", "-", non_negative,
+         "the run stops when contact has let go of nodes with more than this share of the model's mass")
+      .by_default("0.01");
   s.real(&ChecksInput::maximum_speed, "maximum_speed", "m/s", positive,
          "the run stops when a node is faster than this; by default a hundred times the sound speed")
       .optional();

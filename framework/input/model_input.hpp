@@ -79,6 +79,7 @@ struct BalanceInput {
 
 struct OutputInput {
   double results_interval = 0.0, history_interval = 0.0, restart_interval = 0.0;
+  bool restart_at_end = true;
   std::int64_t progress_interval = 0;
   std::string precision;
   std::vector<std::string> element_fields, node_fields;
@@ -86,7 +87,7 @@ struct OutputInput {
 };
 
 struct ChecksInput {
-  double energy_growth = 0.05, maximum_speed = 0.0;
+  double energy_growth = 0.05, maximum_speed = 0.0, let_go = 0.01;
   std::string free_nodes;
   double drop_distance = 0.0;
   static void describe(Schema<ChecksInput>& s);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "kerf/functions.hpp"
 #include "kerf/plugin.hpp"
 #include "mesh/grading.hpp"
 
@@ -124,7 +125,7 @@ std::vector<std::string> CylinderGenerator::prepare() {
   }
   section_ = Section(sector, n_core, n_ring);
   const double segment = 2.0 * pi / (8.0 * n_core);
-  stretch_ = exact_section ? std::sqrt(segment / std::sin(segment)) : 1.0;
+  stretch_ = exact_section ? std::sqrt(segment / kerf::sin(segment)) : 1.0;
   inside_index_.assign(static_cast<std::size_t>(section_.n_core_nodes()), -1);
   inside_core_.clear();
   for (int s = 0; s < section_.n_core_nodes(); ++s)
@@ -207,10 +208,10 @@ Vec3 CylinderGenerator::cap_point(const Section::Node& name, double height) cons
 // From the upper half of the unit ball to the cap: rays from the centre keep their azimuth and are scaled to
 // reach the surface; equal angles on the ball are equal lengths of the meridian.
 Vec3 CylinderGenerator::onto_cap(Vec3 p) const {
-  const double across = std::hypot(p.x, p.y), distance = std::hypot(across, p.z);
+  const double across = kerf::hypot(p.x, p.y), distance = kerf::hypot(across, p.z);
   const double base_z = planes_.back().z;
   if (distance == 0.0) return {0.0, 0.0, base_z};
-  const double t = std::atan2(p.z, across) * (2.0 / pi);
+  const double t = kerf::atan2(p.z, across) * (2.0 / pi);
   const auto surface = profile_.at_arc(cap_arc_ + (profile_.arc_length() - cap_arc_) * t);
   const double z = base_z + distance * (nose_base_ + surface.height - base_z);
   if (across == 0.0) return {0.0, 0.0, z};

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kerf/functions.hpp"
+
 namespace kerf {
 
 namespace {
@@ -56,12 +58,12 @@ std::int64_t cells_along(double length, double size) {
 std::vector<double> graded_lines(double start, double end, std::int64_t n, double ratio) {
   std::vector<double> lines(static_cast<std::size_t>(n) + 1);
   // expm1 keeps the formula exact to rounding as q approaches one: x_i = (q^i - 1) / (q^n - 1).
-  const double log_q = n > 1 ? std::log(ratio) / static_cast<double>(n - 1) : 0.0;
+  const double log_q = n > 1 ? kerf::log(ratio) / static_cast<double>(n - 1) : 0.0;
   const bool uniform = std::abs(log_q) * static_cast<double>(n) < 1e-12;
   for (std::int64_t i = 0; i <= n; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(n);
     const double t =
-        uniform ? part : std::expm1(log_q * static_cast<double>(i)) / std::expm1(log_q * static_cast<double>(n));
+        uniform ? part : kerf::expm1(log_q * static_cast<double>(i)) / kerf::expm1(log_q * static_cast<double>(n));
     lines[static_cast<std::size_t>(i)] = start + (end - start) * t;
   }
   lines.back() = end;

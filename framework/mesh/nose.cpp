@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kerf/functions.hpp"
+
 namespace kerf {
 
 NoseProfile NoseProfile::flat(double radius) {
@@ -48,15 +50,15 @@ double NoseProfile::height_at(double radius) const {
 }
 
 double NoseProfile::arc_to(double height) const {
-  if (arc_radius_ > 0.0) return arc_radius_ * std::asin(std::min(1.0, height / arc_radius_));
+  if (arc_radius_ > 0.0) return arc_radius_ * kerf::asin(std::min(1.0, height / arc_radius_));
   if (length_ <= 0.0) return 0.0;
-  return std::hypot(height, (radius_ - tip_radius_) * height / length_);
+  return kerf::hypot(height, (radius_ - tip_radius_) * height / length_);
 }
 
 NoseProfile::Point NoseProfile::at_arc(double arc) const {
   const double side = arc_to(length_);
   if (arc >= side) return {std::max(0.0, tip_radius_ - (arc - side)), length_};
-  const double height = arc_radius_ > 0.0 ? arc_radius_ * std::sin(arc / arc_radius_) : length_ * arc / side;
+  const double height = arc_radius_ > 0.0 ? arc_radius_ * kerf::sin(arc / arc_radius_) : length_ * arc / side;
   return {radius_at(height), height};
 }
 

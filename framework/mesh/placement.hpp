@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "input/model_input.hpp"
+#include "kerf/functions.hpp"
 
 namespace kerf {
 
@@ -23,7 +24,7 @@ class Placement {
   /// Rodrigues' formula; exact zeros and ones for multiples of a right angle keep axis-aligned parts aligned.
   void append(const PlacementInput& p) {
     const Vec3 a = p.axis * (1.0 / norm(p.axis));
-    double c = std::cos(p.angle), s = std::sin(p.angle);
+    double c = kerf::cos(p.angle), s = kerf::sin(p.angle);
     if (std::fabs(c) < 1e-15) c = 0.0;
     if (std::fabs(s) < 1e-15) s = 0.0;
     const auto turn = [&](Vec3 v) { return v * c + cross(a, v) * s + a * (dot(a, v) * (1.0 - c)); };

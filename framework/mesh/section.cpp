@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "kerf/functions.hpp"
+
 namespace kerf {
 
 namespace {
@@ -11,7 +13,7 @@ namespace {
 constexpr double quarter_pi = 0.78539816339744830962;
 
 // tan(pi/4 t), exactly one at the end so that the four sides of the core meet in the same bits.
-double tangent(double t) { return t == 1.0 ? 1.0 : std::tan(quarter_pi * t); }
+double tangent(double t) { return t == 1.0 ? 1.0 : kerf::tan(quarter_pi * t); }
 
 double with_sign_of(double magnitude, int i) { return i < 0 ? -magnitude : i > 0 ? magnitude : 0.0; }
 
@@ -23,7 +25,7 @@ CoreShape core_shape(int n_core, int n_ring) {
   shape.corner = n_core / (n_ring + std::sqrt(2.0) * n_core);
   // The side bulges by 15 degrees at its ends, so that the three cells which meet at a corner share 360
   // degrees equally: side x = axis - (axis - corner) t^2 has slope 2 (axis - corner) / corner there.
-  shape.axis = shape.corner * (1.0 + 0.5 * std::tan(quarter_pi / 3.0));
+  shape.axis = shape.corner * (1.0 + 0.5 * kerf::tan(quarter_pi / 3.0));
   return shape;
 }
 

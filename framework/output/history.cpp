@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <stdexcept>
@@ -45,43 +44,41 @@ std::string header_of(const std::vector<HistoryColumn>& columns) {
 /// interruption leaves one of the two.
 double cut_back(const std::string& path, const std::string& header, double time) {
   std::ifstream in(path);
-  if (!in) throw std::runtime_error("cannot open \"" + path + "\" to continue it");
+  if (!in) throw std::runtime_error("cannot open \"" + path + "\" to continue it: " + std::strerror(errno));
   std::string line;
   if (!std::getline(in, line) || line != header)
     throw std::runtime_error("\"" + path + "\" has other columns than this run writes, so it cannot be continued");
-  const std::string kept = path + ".part";
-  std::ofstream out(kept, std::ios::trunc);
-  out << header << '\n';
+  std::string kept = header + '\n';
   double last_time = -1.0;
   while (std::getline(in, line)) {
     if (in.eof()) break;  // no end of line: the row was cut off in the middle
     char* end = nullptr;
     const double row_time = std::strtod(line.c_str(), &end);
     if (end == line.c_str() || row_time > time) continue;
-    out << line << '\n';
+    kept += line + '\n';
     last_time = row_time;
   }
-  out.close();
-  if (!out) throw std::runtime_error("cannot write \"" + kept + "\"");
-  std::filesystem::rename(kept, path);
+  if (in.bad()) throw std::runtime_error("cannot read \"" + path + "\": " + std::strerror(errno));
+  replace_file(path, kept);
   return last_time;
 }
 
 }  // namespace
 
-CsvFile::CsvFile(MPI_Comm comm, const std::string& path) : path_(path) {
+CsvFile::CsvFile(MPI_Comm comm, const std::string& path) : comm_(comm) {
+  on_root(comm, [&] { open(path); });
+}
+
+CsvFile::CsvFile(MPI_Comm comm, const std::string& path, const std::string& header) : comm_(comm) {
   on_root(comm, [&] {
-    file_.reset(std::fopen(path.c_str(), "a"));
-    if (!file_) throw std::runtime_error("cannot open \"" + path + "\" for writing: " + std::strerror(errno));
+    replace_file(path, header + '\n');
+    open(path);
   });
 }
 
-CsvFile::CsvFile(MPI_Comm comm, const std::string& path, const std::string& header) : path_(path) {
-  on_root(comm, [&] {
-    file_.reset(std::fopen(path.c_str(), "w"));
-    if (!file_) throw std::runtime_error("cannot create \"" + path + "\": " + std::strerror(errno));
-    append(header + "\n");
-  });
+void CsvFile::open(const std::string& path) {
+  file_ = File(path, File::Mode::append);
+  size_ = file_.size();
 }
 
 CsvFile CsvFile::resume(MPI_Comm comm, const std::string& path, const std::string& header, double time) {
@@ -94,9 +91,34 @@ CsvFile CsvFile::resume(MPI_Comm comm, const std::string& path, const std::strin
 }
 
 void CsvFile::append(const std::string& lines) {
-  if (!file_) return;
-  if (std::fwrite(lines.data(), 1, lines.size(), file_.get()) != lines.size() || std::fflush(file_.get()) != 0)
-    throw std::runtime_error("cannot write \"" + path_ + "\": " + std::strerror(errno));
+  on_root(comm_, [&] {
+    try {
+      file_.append(lines);
+      size_ += lines.size();
+    } catch (const std::exception&) {
+      remove_unfinished_line();
+      throw;
+    }
+  });
+}
+
+/// Part of a row may have found room. The reason of the failure is on its way already, so this one does not matter.
+void CsvFile::remove_unfinished_line() {
+  try {
+    file_.cut(size_);
+  } catch (const std::exception&) {
+  }
+}
+
+void CsvFile::sync() {
+  on_root(comm_, [&] { file_.sync(); });
+}
+
+void CsvFile::close() {
+  on_root(comm_, [&] {
+    file_.sync();
+    file_.close();
+  });
 }
 
 HistoryWriter::HistoryWriter(MPI_Comm comm, const std::string& path, const std::vector<HistoryColumn>& columns)
@@ -110,7 +132,7 @@ HistoryWriter HistoryWriter::resume(MPI_Comm comm, const std::string& path, cons
 void HistoryWriter::write(std::span<const double> row) {
   if (row.size() != n_columns_)
     throw std::logic_error(fmt::format("a history row has {} values for {} columns", row.size(), n_columns_));
-  if (file_.is_writer()) file_.append(fmt::format("{}\n", fmt::join(row, ",")));
+  file_.append(fmt::format("{}\n", fmt::join(row, ",")));
 }
 
 ErosionLog::ErosionLog(MPI_Comm comm, const std::string& path) : file_(comm, path, erosion_header) {}
@@ -144,7 +166,6 @@ void ErosionLog::append(MPI_Comm comm, const std::vector<ErosionRecord>& local) 
   };
   const std::vector<std::int64_t> all_keys = gather(keys.data(), keys.size(), MPI_INT64_T);
   const std::vector<char> all_text = gather(text.data(), text.size(), MPI_CHAR);
-  if (rank != 0 || all_keys.empty()) return;
 
   struct Row {
     std::int64_t cycle, element, start, length;

@@ -1,7 +1,8 @@
 // The restart file: the exact bits of a model, readable by any number of ranks.
 //
-// Entities are stored compactly and sorted by global id, one table per column, so nothing in the file depends on
-// how the model was divided. A file becomes visible under its name only when it is complete.
+// Entities are stored compactly and sorted by global id, one table per column, so the values do not depend on how the
+// model was divided. A file becomes visible under its name only when it is complete, the one before it is kept beside
+// it, and all bytes of a file are compared with their checksums before any of them is believed.
 #pragma once
 
 #include <mpi.h>
@@ -18,7 +19,10 @@
 namespace kerf {
 
 /// Raised whenever the contents of a restart file change meaning.
-inline constexpr std::int64_t restart_format = 1;
+inline constexpr std::int64_t restart_format = 2;
+
+/// Where the file before the newest is kept: "restart/restart_previous.h5" for "restart/restart.h5".
+std::string previous_restart(const std::string& path);
 
 /// A quantity to be stored: `components` values per entity, in the order of the entities' ids.
 struct RestartColumn {
@@ -27,14 +31,15 @@ struct RestartColumn {
   std::variant<const double*, const std::int64_t*> data;
 };
 
-/// Writes one restart file. All functions are collective.
+/// Writes one restart file. All functions are collective. Failures of the file throw OutputError on all ranks, not
+/// later than in finish(); the files before stay as they are.
 class RestartWriter {
  public:
   /// Begins "<path>.part"; what is at `path` stays until finish().
   RestartWriter(MPI_Comm comm, const std::string& path);
   RestartWriter(RestartWriter&&) noexcept;
   RestartWriter& operator=(RestartWriter&&) noexcept;
-  /// Without finish(), the unfinished file stays beside the previous complete one.
+  /// Without finish(), the unfinished file is removed and the previous complete one stays.
   ~RestartWriter();
 
   /// Stores the entities that ranks hold, each once. Pre: ids are in [0, n_global); there may be fewer entities
@@ -53,7 +58,7 @@ class RestartWriter {
     write_attribute(name, std::vector<std::int64_t>{static_cast<std::int64_t>(value)});
   }
 
-  /// Completes the file on disk and gives it its name, replacing an earlier one.
+  /// Completes the file on disk and gives it its name. What had that name becomes previous_restart().
   void finish();
 
  private:
@@ -81,10 +86,10 @@ struct RestartEntities {
 };
 
 /// Reads a restart file. All functions are collective; what they return is equal on all ranks unless it says
-/// otherwise. Failures throw std::runtime_error on all ranks.
+/// otherwise. Failures throw std::runtime_error on all ranks, those of the file OutputError.
 class RestartReader {
  public:
-  /// Throws where the file is absent, not a restart file, or of another format.
+  /// Throws OutputError where the file is absent, damaged, not a restart file, or of another format.
   RestartReader(MPI_Comm comm, const std::string& path);
   RestartReader(RestartReader&&) noexcept;
   RestartReader& operator=(RestartReader&&) noexcept;
@@ -92,7 +97,7 @@ class RestartReader {
 
   bool has_entities(const std::string& group) const;
   /// Rank r of R gets the stored entities [r M / R, (r + 1) M / R).
-  RestartEntities read_entities(const std::string& group) const;
+  RestartEntities read_entities(const std::string& group);
 
   bool has_attribute(const std::string& name) const;
   std::string text(const std::string& name) const;

@@ -2,33 +2,29 @@
 #include "output/results.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <stdexcept>
 #include <utility>
 
 #include "output/collective.hpp"
-#include "output/hdf5.hpp"
+#include "output/hdf5_file.hpp"
 
 namespace kerf {
 
 namespace {
 
-using hdf5::Handle;
+using hdf5::Dataset;
+using hdf5::Group;
 
 constexpr std::uint8_t vtk_hexahedron = 12;
 constexpr std::uint8_t hidden_cell = 32;  // vtkDataSetAttributes::HIDDENCELL
-constexpr std::int64_t steps_chunk = 1024;
 const std::vector<std::string> static_cell_arrays{"GlobalElementId", "part"};
-
-/// One number per frame that tells readers where the frame's rows begin; `factor` times the frame number.
-struct StepTable {
-  Handle table;
-  std::int64_t factor = 0, constant = 0;
-};
 
 /// A quantity with the same number of rows in every frame.
 struct Series {
-  Handle data, offsets;
+  Dataset* data = nullptr;
+  Dataset* offsets = nullptr;
   int components = 1;
   bool written = false;
 };
@@ -36,7 +32,7 @@ struct Series {
 /// Which of the two kinds of entity a series belongs to.
 struct Entities {
   std::int64_t n = 0;
-  Handle arrays, offsets;  // the groups of the data and of their offsets
+  Group *arrays = nullptr, *offsets = nullptr;  // of the data and of their offsets
   std::map<std::string, Series> series;
   SlabExchangeCache plans;
 };
@@ -52,43 +48,88 @@ std::vector<std::string> names_of(const Entities& kind) {
 }
 
 /// Rows per chunk: a frame is one chunk, so each rank's slab is one contiguous block on disk. Frames beyond
-/// 256 MiB are split (HDF5 limits chunks to 4 GiB), tiny ones share a chunk.
-std::int64_t chunk_rows(std::int64_t rows_per_frame, std::int64_t row_bytes) {
-  constexpr std::int64_t largest = std::int64_t{256} << 20, smallest = 16 << 10;
-  const std::int64_t pieces = std::max<std::int64_t>(1, (rows_per_frame * row_bytes + largest - 1) / largest);
-  return std::max((rows_per_frame + pieces - 1) / pieces, std::max<std::int64_t>(1, smallest / row_bytes));
+/// 256 MiB are split (HDF5 limits chunks to 4 GiB), and several tiny ones share a chunk.
+std::uint64_t chunk_rows(std::int64_t rows_per_frame, std::uint64_t row_bytes) {
+  constexpr std::uint64_t largest = std::uint64_t{256} << 20, smallest = 16 << 10;
+  const auto rows = static_cast<std::uint64_t>(std::max<std::int64_t>(1, rows_per_frame));
+  const std::uint64_t pieces = (rows * row_bytes + largest - 1) / largest;
+  if (pieces > 1) return (rows + pieces - 1) / pieces;
+  return rows * std::max<std::uint64_t>(1, smallest / (rows * row_bytes));
 }
 
-/// Cuts the file back to `frames` frames. Done by one rank with HDF5's serial driver: shrinking a chunked table
-/// rewrites the chunk at the new end, which several ranks must not do at once.
-void truncate(const std::string& path, std::int64_t frames) {
-  const Handle file = hdf5::open_file_alone(path);
-  if (!hdf5::has_link(file, "VTKHDF")) throw std::runtime_error("\"" + path + "\" is not a VTKHDF file");
-  const Handle root = hdf5::open_group(file, "VTKHDF"), steps = hdf5::open_group(root, "Steps");
-  const std::int64_t there = hdf5::read_attribute(steps, "NSteps");
-  if (frames < 0 || frames > there)
-    throw std::runtime_error("cannot keep " + std::to_string(frames) + " frames of \"" + path + "\": it has " +
-                             std::to_string(there));
-  const auto count = [&](const char* name) {
-    std::int64_t n = 0;
-    hdf5::read_rows<std::int64_t>(hdf5::open_dataset(root, name), 0, {&n, 1});
-    return n;
-  };
-  const std::int64_t n_nodes = count("NumberOfPoints"), n_elements = count("NumberOfCells");
-  hdf5::write_attribute(steps, "NSteps", {&frames, 1}, true);
-  for (const char* name :
-       {"Values", "PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"})
-    hdf5::set_rows(hdf5::open_dataset(steps, name), frames);
-  hdf5::set_rows(hdf5::open_dataset(root, "Points"), frames * n_nodes);
-  for (const bool nodal : {true, false}) {
-    const Handle arrays = hdf5::open_group(root, nodal ? "PointData" : "CellData");
-    const Handle offsets = hdf5::open_group(steps, nodal ? "PointDataOffsets" : "CellDataOffsets");
-    for (const std::string& name : hdf5::names_in(arrays)) {
-      hdf5::set_rows(hdf5::open_dataset(offsets, name), frames);
-      if (std::ranges::find(static_cell_arrays, name) == static_cell_arrays.end())
-        hdf5::set_rows(hdf5::open_dataset(arrays, name), frames * (nodal ? n_nodes : n_elements));
-    }
+/// Rows from the beginning of one frame to that of the next: frames begin with a chunk or share one.
+std::uint64_t rows_of_frame(const Dataset& table, std::int64_t n) {
+  const auto rows = static_cast<std::uint64_t>(n);
+  if (rows <= table.chunk_rows) return rows;
+  return (rows + table.chunk_rows - 1) / table.chunk_rows * table.chunk_rows;
+}
+
+/// Number of chunks that hold the first `rows` rows.
+std::uint64_t n_chunks(const Dataset& table, std::uint64_t rows) {
+  return (rows + table.chunk_rows - 1) / table.chunk_rows;
+}
+
+Dataset growing_table(hdf5::Type type, int components, std::int64_t rows_per_frame) {
+  Dataset table;
+  table.type = type;
+  table.size = {0};
+  if (components > 1) table.size.push_back(static_cast<std::uint64_t>(components));
+  table.chunk_rows = chunk_rows(rows_per_frame, table.row_bytes());
+  return table;
+}
+
+/// A small table that is stored along with the headers.
+template <class T>
+Dataset small_table(const std::vector<T>& values) {
+  Dataset table;
+  table.type = hdf5::type_of<T>();
+  table.size = {values.size()};
+  const auto bytes = std::as_bytes(std::span(values));
+  table.content.assign(bytes.begin(), bytes.end());
+  return table;
+}
+
+template <class T>
+void append_value(Dataset& table, T value) {
+  const auto bytes = std::as_bytes(std::span(&value, 1));
+  table.content.insert(table.content.end(), bytes.begin(), bytes.end());
+  ++table.size[0];
+}
+
+template <class T>
+T value_in(const Dataset& table, std::size_t row) {
+  if (table.type != hdf5::type_of<T>() || (row + 1) * sizeof(T) > table.content.size())
+    throw std::runtime_error("a table is too short");
+  T value{};
+  std::memcpy(&value, table.content.data() + row * sizeof(T), sizeof(T));
+  return value;
+}
+
+Dataset text_table(const std::vector<std::string>& texts) {
+  Dataset table;
+  std::size_t length = 1;
+  for (const std::string& text : texts) length = std::max(length, text.size());
+  table.type = {hdf5::Kind::text, static_cast<std::uint32_t>(length)};
+  table.size = {texts.size()};
+  for (const std::string& text : texts) {
+    const auto bytes = std::as_bytes(std::span(text));
+    table.content.insert(table.content.end(), bytes.begin(), bytes.end());
+    table.content.resize(table.content.size() + length - text.size());
   }
+  return table;
+}
+
+/// What is to be kept of a table of one entry per frame.
+void cut_steps(Dataset& table, std::uint64_t frames) {
+  table.size[0] = frames;
+  table.content.resize(frames * table.type.size);
+}
+
+void cut_rows(Dataset& table, std::uint64_t rows) {
+  constexpr std::uint64_t chunks_per_node = 64;
+  table.size[0] = rows;
+  table.places.resize(n_chunks(table, rows));
+  table.full_nodes.resize(std::min<std::size_t>(table.full_nodes.size(), table.places.size() / chunks_per_node));
 }
 
 }  // namespace
@@ -106,6 +147,7 @@ class ResultsWriter::Impl {
                  const HeldValues<double>& values);
   void add_alive(std::span<const std::int64_t> gids);
   void end_frame();
+  void close() { file_.close(); }
 
   Entities& nodes() { return nodes_; }
   Entities& elements() { return elements_; }
@@ -114,33 +156,37 @@ class ResultsWriter::Impl {
   double last_time() const { return n_frames_ > 0 ? time_ : -1.0; }
 
  private:
-  void open_steps(bool create);
-  void open_static_offsets(bool create);
-  void add_step_table(const Handle& group, const std::string& name, bool create, std::int64_t factor,
-                      std::int64_t constant);
+  void find_groups();
+  void find_series(Entities& kind);
+  void cut_back(int keep_frames);
   void read_last_points();
+  template <class Use>
+  void for_step_tables(Use&& use);
   std::int64_t begin_of(const Entities& kind) const { return SlabExchange::slab_begin(kind.n, rank_, n_ranks_); }
   std::int64_t size_of(const Entities& kind) const {
     return SlabExchange::slab_begin(kind.n, rank_ + 1, n_ranks_) - begin_of(kind);
   }
-  Series& series_to_write(Entities& kind, const std::string& name, int components, hid_t type);
+  Series& series_to_write(Entities& kind, const std::string& name, int components, hdf5::Type type);
+  template <class Transfer>
+  void for_blocks(const Dataset& table, std::uint64_t first_row, std::size_t n_bytes, Transfer&& transfer) const;
   template <class T>
-  void append(const Entities& kind, const Handle& table, std::span<const T> slab);
+  void append(const Entities& kind, Dataset& table, std::span<const T> slab);
   template <class T>
   void add_points_as(std::vector<T>& last, const SlabExchange& plan, const HeldValues<double>& positions);
   template <class T>
-  void add_values(const Entities& kind, const Handle& table, std::vector<T>& slab, const SlabExchange& plan,
-                  int components, const HeldValues<double>& values);
-  hid_t real_type() const { return double_precision_ ? hdf5::type_of<double>() : hdf5::type_of<float>(); }
+  void add_values(const Entities& kind, Dataset& table, std::vector<T>& slab, const SlabExchange& plan, int components,
+                  const HeldValues<double>& values);
+  hdf5::Type real_type() const { return double_precision_ ? hdf5::type_of<double>() : hdf5::type_of<float>(); }
 
   MPI_Comm comm_;
   int rank_ = 0, n_ranks_ = 1;
   bool double_precision_ = false;
-  // The file stands first: members close in reverse order, and it refuses to close before its contents.
-  Handle file_, root_, steps_, points_, times_;
+  std::string path_;
+  hdf5::Hdf5File file_;
+  Group *root_ = nullptr, *steps_ = nullptr;
+  Dataset* points_ = nullptr;
   Entities nodes_, elements_;
   std::int64_t n_frames_ = 0;
-  std::vector<StepTable> step_tables_;
   // Positions of this rank's slab as last written; the one that fits the precision is used.
   std::vector<float> last_float_;
   std::vector<double> last_double_;
@@ -148,7 +194,8 @@ class ResultsWriter::Impl {
   std::vector<float> scratch_float_;
   std::vector<double> scratch_double_;
   bool in_frame_ = false, has_topology_ = false, has_points_ = false;
-  double time_ = 0.0;  // of the frame that is being written or was last [s]
+  bool has_name_ = false;  // no longer "<path>.part"
+  double time_ = 0.0;
 };
 
 // ---------------------------------------------------------------------------------------------------------
@@ -156,94 +203,120 @@ class ResultsWriter::Impl {
 
 ResultsWriter::Impl::Impl(MPI_Comm comm, const std::string& path, std::int64_t n_nodes, std::int64_t n_elements,
                           bool double_precision)
-    : comm_(comm), double_precision_(double_precision) {
+    : comm_(comm), double_precision_(double_precision), path_(path) {
   MPI_Comm_rank(comm, &rank_);
   MPI_Comm_size(comm, &n_ranks_);
   nodes_.n = n_nodes;
   elements_.n = n_elements;
-  file_ = hdf5::create_file(comm, path);
-  root_ = hdf5::create_group(file_, "VTKHDF");
-  const std::int64_t version[2] = {2, 0};
-  hdf5::write_attribute(root_, "Version", version, false);
-  hdf5::write_attribute(root_, "Type", "UnstructuredGrid");
-  nodes_.arrays = hdf5::create_group(root_, "PointData");
-  elements_.arrays = hdf5::create_group(root_, "CellData");
-  open_steps(true);
-  const std::int64_t row_bytes = 3 * (double_precision ? 8 : 4);
-  points_ = hdf5::create_growing_table(root_, "Points", real_type(), 3, chunk_rows(n_nodes, row_bytes));
+  file_ = hdf5::Hdf5File::create(comm, path + ".part");
+  find_groups();
+  root_->set("Version", std::vector<std::int64_t>{2, 0});
+  root_->set("Type", std::string("UnstructuredGrid"));
+  steps_->set("NSteps", 0);
+  steps_->datasets["Values"] = small_table<double>({});
+  // Every frame is the same single partition with the same cells; only the points move on.
+  for (const char* name : {"PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"})
+    steps_->datasets[name] = small_table<std::int64_t>({});
+  for (const std::string& name : static_cell_arrays) elements_.offsets->datasets[name] = small_table<std::int64_t>({});
+  root_->datasets["Points"] = growing_table(real_type(), 3, n_nodes);
+  points_ = &root_->datasets.at("Points");
   read_last_points();
 }
 
-ResultsWriter::Impl::Impl(MPI_Comm comm, const std::string& path, int keep_frames) : comm_(comm) {
+ResultsWriter::Impl::Impl(MPI_Comm comm, const std::string& path, int keep_frames) : comm_(comm), path_(path) {
   MPI_Comm_rank(comm, &rank_);
   MPI_Comm_size(comm, &n_ranks_);
-  on_root(comm, [&] { truncate(path, keep_frames); });
-  n_frames_ = keep_frames;
-  file_ = hdf5::open_file(comm, path, true);
-  root_ = hdf5::open_group(file_, "VTKHDF");
-  hdf5::read_rows<std::int64_t>(hdf5::open_dataset(root_, "NumberOfPoints"), 0, {&nodes_.n, 1});
-  hdf5::read_rows<std::int64_t>(hdf5::open_dataset(root_, "NumberOfCells"), 0, {&elements_.n, 1});
-  points_ = hdf5::open_dataset(root_, "Points");
-  double_precision_ = hdf5::is_table_of<double>(points_);
-  nodes_.arrays = hdf5::open_group(root_, "PointData");
-  elements_.arrays = hdf5::open_group(root_, "CellData");
-  open_steps(false);
-  open_static_offsets(false);
-  for (Entities* kind : {&nodes_, &elements_}) {
-    for (const std::string& name : hdf5::names_in(kind->arrays)) {
-      if (std::ranges::find(static_cell_arrays, name) != static_cell_arrays.end()) continue;
-      Series series{hdf5::open_dataset(kind->arrays, name), hdf5::open_dataset(kind->offsets, name)};
-      series.components = hdf5::n_components(series.data);
-      kind->series.emplace(name, std::move(series));
-    }
+  file_ = hdf5::Hdf5File::open(comm, path, true, false);
+  has_name_ = true;
+  std::string failure;  // the same on all ranks: they all look at the same description
+  try {
+    find_groups();
+    nodes_.n = value_in<std::int64_t>(root_->datasets.at("NumberOfPoints"), 0);
+    elements_.n = value_in<std::int64_t>(root_->datasets.at("NumberOfCells"), 0);
+    points_ = &root_->datasets.at("Points");
+    double_precision_ = points_->type == hdf5::type_of<double>();
+    find_series(nodes_);
+    find_series(elements_);
+    const std::int64_t there = steps_->integer("NSteps");
+    if (keep_frames < 0 || keep_frames > there)
+      throw std::runtime_error("it has " + std::to_string(there) + " frames, and " + std::to_string(keep_frames) +
+                               " were to be kept");
+    cut_back(keep_frames);
+  } catch (const std::exception& e) {
+    failure = "cannot continue \"" + path + "\": " + e.what();
   }
+  kerf::agree(comm, failure);
   has_topology_ = true;
-  if (n_frames_ > 0) hdf5::read_rows<double>(times_, n_frames_ - 1, {&time_, 1});
   read_last_points();
+}
+
+void ResultsWriter::Impl::find_groups() {
+  root_ = &file_.root.groups["VTKHDF"];
+  steps_ = &root_->groups["Steps"];
+  nodes_.arrays = &root_->groups["PointData"];
+  elements_.arrays = &root_->groups["CellData"];
+  nodes_.offsets = &steps_->groups["PointDataOffsets"];
+  elements_.offsets = &steps_->groups["CellDataOffsets"];
+}
+
+void ResultsWriter::Impl::find_series(Entities& kind) {
+  for (auto& [name, data] : kind.arrays->datasets) {
+    if (std::ranges::find(static_cell_arrays, name) != static_cell_arrays.end()) continue;
+    Series series{&data, &kind.offsets->datasets.at(name), static_cast<int>(data.row_bytes() / data.type.size)};
+    kind.series.emplace(name, series);
+  }
+}
+
+/// Calls use(table, value of the next frame) for all tables of one entry per frame but the times.
+template <class Use>
+void ResultsWriter::Impl::for_step_tables(Use&& use) {
+  const auto frame = static_cast<std::uint64_t>(n_frames_);
+  const auto first_row = [&](const Dataset& table, std::int64_t n) {
+    return static_cast<std::int64_t>(frame * rows_of_frame(table, n));
+  };
+  for (auto& [name, table] : steps_->datasets) {
+    if (name == "Values") continue;
+    use(table, name == "NumberOfParts" ? 1 : name == "PointOffsets" ? first_row(*points_, nodes_.n) : 0);
+  }
+  for (const std::string& name : static_cell_arrays) use(elements_.offsets->datasets.at(name), std::int64_t{0});
+  for (Entities* kind : {&nodes_, &elements_})
+    for (auto& [name, series] : kind->series) use(*series.offsets, first_row(*series.data, kind->n));
+}
+
+/// Leaves the first frames. The file is smaller only after the frames are gone for readers, too.
+void ResultsWriter::Impl::cut_back(int keep_frames) {
+  const auto frames = static_cast<std::uint64_t>(keep_frames);
+  n_frames_ = keep_frames;
+  if (keep_frames > 0) time_ = value_in<double>(steps_->datasets.at("Values"), frames - 1);
+  if (steps_->integer("NSteps") == keep_frames) return;
+  steps_->set("NSteps", n_frames_);
+  cut_steps(steps_->datasets.at("Values"), frames);
+  for_step_tables([&](Dataset& table, std::int64_t) { cut_steps(table, frames); });
+  cut_rows(*points_, frames * rows_of_frame(*points_, nodes_.n));
+  for (Entities* kind : {&nodes_, &elements_})
+    for (auto& [name, series] : kind->series) cut_rows(*series.data, frames * rows_of_frame(*series.data, kind->n));
+  file_.commit();
+  file_.shorten();
 }
 
 void ResultsWriter::Impl::read_last_points() {
   const auto n = static_cast<std::size_t>(3 * size_of(nodes_));
-  const std::int64_t row = (n_frames_ - 1) * nodes_.n + begin_of(nodes_);
   const auto read = [&](auto& last) {
     using T = typename std::remove_reference_t<decltype(last)>::value_type;
     last.assign(n, T(0));
-    if (n_frames_ > 0) hdf5::read_rows<T>(points_, row, last);
+    if (n_frames_ == 0) return;
+    const std::uint64_t row = static_cast<std::uint64_t>(n_frames_ - 1) * rows_of_frame(*points_, nodes_.n) +
+                              static_cast<std::uint64_t>(begin_of(nodes_));
+    const auto bytes = std::as_writable_bytes(std::span(last));
+    for_blocks(*points_, row, bytes.size(), [&](std::uint64_t place, std::size_t first, std::size_t count) {
+      file_.read(place, bytes.subspan(first, count));
+    });
   };
   if (double_precision_)
     read(last_double_);
   else
     read(last_float_);
-}
-
-void ResultsWriter::Impl::add_step_table(const Handle& group, const std::string& name, bool create, std::int64_t factor,
-                                         std::int64_t constant) {
-  Handle table = create ? hdf5::create_growing_table(group, name, hdf5::type_of<std::int64_t>(), 0, steps_chunk)
-                        : hdf5::open_dataset(group, name);
-  step_tables_.push_back({std::move(table), factor, constant});
-}
-
-void ResultsWriter::Impl::open_steps(bool create) {
-  const auto group = [&](const Handle& parent, const char* name) {
-    return create ? hdf5::create_group(parent, name) : hdf5::open_group(parent, name);
-  };
-  steps_ = group(root_, "Steps");
-  nodes_.offsets = group(steps_, "PointDataOffsets");
-  elements_.offsets = group(steps_, "CellDataOffsets");
-  const std::int64_t none = 0;
-  if (create) hdf5::write_attribute(steps_, "NSteps", {&none, 1}, true);
-  times_ = create ? hdf5::create_growing_table(steps_, "Values", hdf5::type_of<double>(), 0, steps_chunk)
-                  : hdf5::open_dataset(steps_, "Values");
-  // Every frame is the same single partition with the same cells; only the points move on.
-  add_step_table(steps_, "PartOffsets", create, 0, 0);
-  add_step_table(steps_, "NumberOfParts", create, 0, 1);
-  add_step_table(steps_, "PointOffsets", create, nodes_.n, 0);
-  add_step_table(steps_, "CellOffsets", create, 0, 0);
-  add_step_table(steps_, "ConnectivityIdOffsets", create, 0, 0);
-}
-
-void ResultsWriter::Impl::open_static_offsets(bool create) {
-  for (const std::string& name : static_cell_arrays) add_step_table(elements_.offsets, name, create, 0, 0);
+  file_.agree();
 }
 
 // ---------------------------------------------------------------------------------------------------------
@@ -259,31 +332,31 @@ void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements,
   require(complete, "the topology has to name every element of the model");
 
   const std::int64_t begin = plan.begin();
-  const auto store = [&]<class T>(const Handle& group, const char* name, std::int64_t rows, std::int64_t first,
+  const auto store = [&]<class T>(Group& group, const char* name, std::int64_t rows, std::int64_t first,
                                   const std::vector<T>& values) {
-    hdf5::write_rows<T>(hdf5::create_table(group, name, hdf5::type_of<T>(), rows, 0), first, values);
+    Dataset table;
+    table.type = hdf5::type_of<T>();
+    table.size = {static_cast<std::uint64_t>(rows)};
+    table.places = {file_.allocate(static_cast<std::uint64_t>(rows) * sizeof(T))};
+    file_.write(table.places[0] + static_cast<std::uint64_t>(first) * sizeof(T), std::as_bytes(std::span(values)));
+    group.datasets[name] = std::move(table);
   };
-  store(root_, "Connectivity", 8 * elements_.n, 8 * begin, plan.to_slab<std::int64_t>(nodes, 8, 0));
+  store(*root_, "Connectivity", 8 * elements_.n, 8 * begin, plan.to_slab<std::int64_t>(nodes, 8, 0));
   // One entry more than there are elements; the last rank adds it.
   std::vector<std::int64_t> offsets(static_cast<std::size_t>(plan.slab_size()) + (rank_ == n_ranks_ - 1 ? 1 : 0));
   for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = 8 * (begin + static_cast<std::int64_t>(i));
-  store(root_, "Offsets", elements_.n + 1, begin, offsets);
+  store(*root_, "Offsets", elements_.n + 1, begin, offsets);
   const auto n = static_cast<std::size_t>(plan.slab_size());
-  store(root_, "Types", elements_.n, begin, std::vector<std::uint8_t>(n, vtk_hexahedron));
+  store(*root_, "Types", elements_.n, begin, std::vector<std::uint8_t>(n, vtk_hexahedron));
   std::vector<std::int64_t> gids(n);
   for (std::size_t i = 0; i < n; ++i) gids[i] = begin + static_cast<std::int64_t>(i);
-  store(elements_.arrays, "GlobalElementId", elements_.n, begin, gids);
-  store(elements_.arrays, "part", elements_.n, begin, plan.to_slab<std::int32_t>(parts, 1, 0));
-
-  const auto store_count = [&](const char* name, std::int64_t value) {
-    store(root_, name, 1, 0, rank_ == 0 ? std::vector<std::int64_t>{value} : std::vector<std::int64_t>{});
-  };
-  store_count("NumberOfPoints", nodes_.n);
-  store_count("NumberOfCells", elements_.n);
-  store_count("NumberOfConnectivityIds", 8 * elements_.n);
-  open_static_offsets(true);
+  store(*elements_.arrays, "GlobalElementId", elements_.n, begin, gids);
+  store(*elements_.arrays, "part", elements_.n, begin, plan.to_slab<std::int32_t>(parts, 1, 0));
+  root_->datasets["NumberOfPoints"] = small_table<std::int64_t>({nodes_.n});
+  root_->datasets["NumberOfCells"] = small_table<std::int64_t>({elements_.n});
+  root_->datasets["NumberOfConnectivityIds"] = small_table<std::int64_t>({8 * elements_.n});
   // VTKHDF leaves everything outside its own group to the writer.
-  hdf5::write_texts(hdf5::create_group(file_, "Kerf"), "part_names", part_names, rank_ == 0);
+  file_.root.groups["Kerf"].datasets["part_names"] = text_table(part_names);
   has_topology_ = true;
 }
 
@@ -305,17 +378,40 @@ void ResultsWriter::Impl::begin_frame(double time, bool same_entities) {
   }
 }
 
+/// Calls transfer(place in the file, first byte, number of bytes) for the part of the bytes in each chunk.
+template <class Transfer>
+void ResultsWriter::Impl::for_blocks(const Dataset& table, std::uint64_t first_row, std::size_t n_bytes,
+                                     Transfer&& transfer) const {
+  const std::uint64_t row_bytes = table.row_bytes(), chunk_bytes = table.chunk_rows * row_bytes;
+  std::uint64_t at = first_row * row_bytes;
+  for (std::size_t done = 0; done < n_bytes;) {
+    const std::uint64_t within = at % chunk_bytes;
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(n_bytes - done, chunk_bytes - within));
+    transfer(table.places.at(at / chunk_bytes) + within, done, count);
+    done += count;
+    at += count;
+  }
+}
+
+/// Adds this rank's slab of the frame. The rows are out of sight until the next state of the file.
 template <class T>
-void ResultsWriter::Impl::append(const Entities& kind, const Handle& table, std::span<const T> slab) {
-  hdf5::set_rows(table, (n_frames_ + 1) * kind.n);
-  hdf5::write_rows<T>(table, n_frames_ * kind.n + begin_of(kind), slab);
+void ResultsWriter::Impl::append(const Entities& kind, Dataset& table, std::span<const T> slab) {
+  const std::uint64_t rows = rows_of_frame(table, kind.n), first = static_cast<std::uint64_t>(n_frames_) * rows;
+  table.size[0] = first + rows;
+  while (table.places.size() < n_chunks(table, first + rows))
+    table.places.push_back(file_.allocate(table.chunk_rows * table.row_bytes()));
+  const auto bytes = std::as_bytes(slab);
+  for_blocks(table, first + static_cast<std::uint64_t>(begin_of(kind)), bytes.size(),
+             [&](std::uint64_t place, std::size_t begin, std::size_t count) {
+               file_.write(place, bytes.subspan(begin, count));
+             });
 }
 
 template <class T>
 void ResultsWriter::Impl::add_points_as(std::vector<T>& last, const SlabExchange& plan,
                                         const HeldValues<double>& positions) {
   plan.update_slab<T, double>(positions, 3, last);
-  append<T>(nodes_, points_, last);
+  append<T>(nodes_, *points_, last);
 }
 
 void ResultsWriter::Impl::add_points(std::span<const std::int64_t> gids, const HeldValues<double>& positions) {
@@ -328,19 +424,16 @@ void ResultsWriter::Impl::add_points(std::span<const std::int64_t> gids, const H
   has_points_ = true;
 }
 
-Series& ResultsWriter::Impl::series_to_write(Entities& kind, const std::string& name, int components, hid_t type) {
+Series& ResultsWriter::Impl::series_to_write(Entities& kind, const std::string& name, int components, hdf5::Type type) {
   require(in_frame_, "field \"" + name + "\" is added outside a frame");
   auto found = kind.series.find(name);
   if (found == kind.series.end()) {
     require(n_frames_ == 0, "field \"" + name + "\" is not in the earlier frames; the fields of a file are fixed");
     require(std::ranges::find(static_cell_arrays, name) == static_cell_arrays.end(),
             "the name \"" + name + "\" is taken");
-    const std::int64_t row_bytes = components * static_cast<std::int64_t>(H5Tget_size(type));
-    Series series{hdf5::create_growing_table(kind.arrays, name, type, components == 1 ? 0 : components,
-                                             chunk_rows(kind.n, row_bytes)),
-                  hdf5::create_growing_table(kind.offsets, name, hdf5::type_of<std::int64_t>(), 0, steps_chunk),
-                  components};
-    found = kind.series.emplace(name, std::move(series)).first;
+    Dataset& data = kind.arrays->datasets[name] = growing_table(type, components, kind.n);
+    Dataset& offsets = kind.offsets->datasets[name] = small_table<std::int64_t>({});
+    found = kind.series.emplace(name, Series{&data, &offsets, components}).first;
   }
   Series& series = found->second;
   require(series.components == components, "field \"" + name + "\" had another number of components before");
@@ -350,7 +443,7 @@ Series& ResultsWriter::Impl::series_to_write(Entities& kind, const std::string& 
 }
 
 template <class T>
-void ResultsWriter::Impl::add_values(const Entities& kind, const Handle& table, std::vector<T>& slab,
+void ResultsWriter::Impl::add_values(const Entities& kind, Dataset& table, std::vector<T>& slab,
                                      const SlabExchange& plan, int components, const HeldValues<double>& values) {
   const auto n = static_cast<std::size_t>(components);
   slab.resize(plan.present().size() * n);
@@ -365,21 +458,21 @@ void ResultsWriter::Impl::add_field(Entities& kind, const std::string& name, int
   Series& series = series_to_write(kind, name, components, real_type());
   const SlabExchange& plan = kind.plans.get(comm_, kind.n, gids);
   if (double_precision_)
-    add_values(kind, series.data, scratch_double_, plan, components, values);
+    add_values(kind, *series.data, scratch_double_, plan, components, values);
   else
-    add_values(kind, series.data, scratch_float_, plan, components, values);
+    add_values(kind, *series.data, scratch_float_, plan, components, values);
 }
 
 void ResultsWriter::Impl::add_alive(std::span<const std::int64_t> gids) {
-  const hid_t type = hdf5::type_of<std::uint8_t>();
+  const hdf5::Type type = hdf5::type_of<std::uint8_t>();
   Series& alive = series_to_write(elements_, "alive", 1, type);
   Series& ghost = series_to_write(elements_, "vtkGhostType", 1, type);
   const std::span<const std::uint8_t> present = elements_.plans.get(comm_, elements_.n, gids).present();
-  append<std::uint8_t>(elements_, alive.data, present);
+  append<std::uint8_t>(elements_, *alive.data, present);
   std::vector<std::uint8_t> hidden(present.size());
   std::ranges::transform(present, hidden.begin(),
                          [](std::uint8_t lives) { return lives ? std::uint8_t{0} : hidden_cell; });
-  append<std::uint8_t>(elements_, ghost.data, hidden);
+  append<std::uint8_t>(elements_, *ghost.data, hidden);
 }
 
 void ResultsWriter::Impl::end_frame() {
@@ -387,22 +480,13 @@ void ResultsWriter::Impl::end_frame() {
   for (const Entities* kind : {&nodes_, &elements_})
     for (const auto& [name, series] : kind->series)
       require(series.written, "field \"" + name + "\" is missing in this frame; the fields of a file are fixed");
-
-  // All tables grow by one entry; its value is the same for everybody, so rank 0 writes it.
-  const auto add_entry = [this]<class T>(const Handle& table, T value) {
-    hdf5::set_rows(table, n_frames_ + 1);
-    if (rank_ == 0) hdf5::write_rows<T>(table, n_frames_, {&value, 1});
-  };
-  add_entry(times_, time_);
-  for (const StepTable& step : step_tables_) add_entry(step.table, step.constant + n_frames_ * step.factor);
-  for (const Entities* kind : {&nodes_, &elements_})
-    for (const auto& [name, series] : kind->series) add_entry(series.offsets, n_frames_ * kind->n);
-
-  // The frame goes to disk first and is counted afterwards: a crash between the two loses it, no more.
-  hdf5::flush(file_);
+  append_value(steps_->datasets.at("Values"), time_);
+  for_step_tables([](Dataset& table, std::int64_t value) { append_value(table, value); });
   ++n_frames_;
-  hdf5::write_attribute(steps_, "NSteps", {&n_frames_, 1}, true);
-  hdf5::flush(file_);
+  steps_->set("NSteps", n_frames_);
+  file_.commit();
+  if (!has_name_) file_.publish(path_);
+  has_name_ = true;
   in_frame_ = false;
 }
 
@@ -438,6 +522,7 @@ void ResultsWriter::add_element_field(const std::string& name, int components,
 }
 void ResultsWriter::add_alive(std::span<const std::int64_t> live_elements) { impl_->add_alive(live_elements); }
 void ResultsWriter::end_frame() { impl_->end_frame(); }
+void ResultsWriter::close() { impl_->close(); }
 bool ResultsWriter::double_precision() const { return impl_->double_precision(); }
 std::vector<std::string> ResultsWriter::node_fields() const { return names_of(impl_->nodes()); }
 std::vector<std::string> ResultsWriter::element_fields() const { return names_of(impl_->elements()); }

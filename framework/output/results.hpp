@@ -17,15 +17,15 @@
 
 namespace kerf {
 
-/// One parallel file of results. All functions are collective; ranks that hold nothing pass empty lists and values.
+/// One file of results of all ranks. All functions are collective; ranks that hold nothing pass empty lists and values.
 ///
 /// Calls per file: write_topology once, then per frame begin_frame, the add_* calls in the same order on all
-/// ranks, end_frame. The set of fields is fixed by the first frame. Misuse throws std::logic_error, failures of
-/// the file std::runtime_error.
+/// ranks, end_frame. The set of fields is fixed by the first frame. Misuse throws std::logic_error. Failures of the
+/// file throw OutputError on all ranks, not later than in end_frame; the frames before stay as they are.
 class ResultsWriter {
  public:
-  /// Creates the file, replacing one that is there. With `double_precision` positions and fields are stored as
-  /// double, otherwise as float.
+  /// Begins "<path>.part"; the end of the first frame gives the file its name, in place of one that is there. With
+  /// `double_precision` positions and fields are stored as double, otherwise as float.
   ResultsWriter(MPI_Comm comm, const std::string& path, std::int64_t n_nodes, std::int64_t n_elements,
                 bool double_precision);
   /// Opens a file of an earlier run to append to it, keeping its first `keep_frames` frames and no other.
@@ -33,8 +33,9 @@ class ResultsWriter {
 
   ResultsWriter(ResultsWriter&&) noexcept;
   ResultsWriter& operator=(ResultsWriter&&) noexcept;
-  /// Closes the file. Collective, and before MPI_Finalize.
   ~ResultsWriter();
+  /// Closes the file and reports where that fails.
+  void close();
 
   /// Pre: the ranks' elements together are all elements of the model, each once. `nodes` holds eight global node
   /// ids per element in the order of VTK_HEXAHEDRON, `parts` one index into `part_names` per element.
@@ -52,8 +53,8 @@ class ResultsWriter {
                          const HeldValues<double>& values);
   /// Stores `alive` and `vtkGhostType`.
   void add_alive(std::span<const std::int64_t> live_elements);
-  /// Completes the frame. Post: the file on disk is complete up to and including this frame, so that whatever
-  /// happens later a reader finds it.
+  /// Completes the frame. Post: the file on disk is complete up to and including this frame. Whenever the run is
+  /// killed, a reader finds the file with this frame or without it.
   void end_frame();
 
   bool double_precision() const;

@@ -1,10 +1,9 @@
 // The JSON behind summary.hpp.
 #include "output/summary.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
+
+#include "output/file.hpp"
 
 namespace kerf {
 
@@ -28,7 +27,13 @@ Json json_of(const Summary::Energy& e) {
           {"contact", e.contact},
           {"external", e.external},
           {"eroded", e.eroded},
-          {"balance_error", e.balance_error}};
+          {"balance_error", e.balance_error},
+          {"friction", e.friction},
+          {"contact_given_back", e.contact_given_back}};
+}
+
+Json json_of(const Summary::Hourglass& h) {
+  return {{"energy", h.energy}, {"dissipated", h.dissipated}, {"share", h.share()}};
 }
 
 Json json_of(const Summary::Eroded& e) {
@@ -67,6 +72,13 @@ std::string summary_text(const Summary& s) {
   json["state_hash"] = s.state_hash;
   json["exit"] = s.exit;
   json["energy"] = json_of(s.energy);
+  json["hourglass"] = json_of(s.hourglass);
+  const Summary::ContactLetGo& let_go = s.contact_let_go;
+  json["contact_let_go"] = {{"nodes", let_go.nodes},
+                            {"mass", let_go.mass},
+                            {"deepest", let_go.deepest},
+                            {"first_time", let_go.first_time},
+                            {"by_part", object_of(let_go.by_part, [](std::int64_t n) { return Json(n); })}};
   json["momentum"] = {{"initial", s.momentum.initial},
                       {"final", s.momentum.final},
                       {"eroded", s.momentum.eroded},
@@ -88,13 +100,6 @@ std::string summary_text(const Summary& s) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void write_summary(const std::string& path, const Summary& summary) {
-  const std::string unfinished = path + ".part";
-  std::ofstream out(unfinished, std::ios::trunc);
-  out << summary_text(summary);
-  out.close();
-  if (!out) throw std::runtime_error("cannot write \"" + unfinished + "\"");
-  std::filesystem::rename(unfinished, path);
-}
+void write_summary(const std::string& path, const Summary& summary) { replace_file(path, summary_text(summary)); }
 
 }  // namespace kerf

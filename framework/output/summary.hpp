@@ -18,6 +18,20 @@ struct Summary {
            external = 0.0, eroded = 0.0;
     /// (all energies at the end, eroded included, minus initial minus external work) / max(initial, external).
     double balance_error = 0.0;  // [-]
+    double friction = 0.0;  // the share of friction in contact; the rest is lost in impacts
+    double contact_given_back = 0.0;  // by contact, without friction, of what it had taken before
+  };
+  /// Nodes that contact has let go of: they came to lie too deep inside a body.
+  struct ContactLetGo {
+    std::int64_t nodes = 0;
+    double mass = 0.0, deepest = 0.0;  // [kg], [m]
+    double first_time = 0.0;  // [s]; 0 where there is none
+    std::map<std::string, std::int64_t> by_part;
+  };
+  /// What hourglass control has taken, next to all that has not been given back.
+  struct Hourglass {
+    double energy = 0.0, dissipated = 0.0;  // [J] by hourglass control; by everything, hourglass control included
+    double share() const { return dissipated > 0.0 ? energy / dissipated : 0.0; }
   };
   struct Momentum {  // [kg m/s]
     std::array<double, 3> initial{}, final{}, eroded{};
@@ -56,6 +70,8 @@ struct Summary {
   std::string state_hash;  // hexadecimal
   std::string exit;  // "completed" or why the run ended
   Energy energy;
+  Hourglass hourglass;
+  ContactLetGo contact_let_go;
   Momentum momentum;
   Mass mass;
   Eroded eroded;

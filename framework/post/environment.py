@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 def main() -> int:
     requirements = (Path(__file__).parent / "requirements.txt").read_text().splitlines()
-    names = [line.split(">")[0].strip() for line in requirements if line and not line.startswith("#")]
+    names = [line.split("==")[0].strip() for line in requirements if line and not line.startswith("#")]
     found, missing = [], []
     for name in names:
         try:

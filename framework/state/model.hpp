@@ -24,7 +24,9 @@ struct PartModel {
   std::int64_t first_node = 0, n_nodes = 0;
   double bulk_modulus = 0.0;  // of the undeformed material [Pa]
   double shear_modulus = 0.0;  // [Pa]
+  double initial_pressure = 0.0;  // [Pa]
   double initial_mass = 0.0;  // [kg]
+  double initial_energy = 0.0;  // internal energy per mass at the start, which the store does not contain [J/kg]
   double work = 1.0;  // work of one element and cycle, for the work model
   std::unique_ptr<Placement> placement;
   std::unique_ptr<PartStore> store;
@@ -34,6 +36,7 @@ struct PartModel {
 struct Quanta {
   ForceScale force;
   double energy = 1.0, per_energy = 1.0;  // [J], [1/J]; powers of two
+  double mass = 1.0;  // [kg]; a power of two
 };
 
 struct Model {

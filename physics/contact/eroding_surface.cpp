@@ -25,6 +25,8 @@ struct ErodingSurface final : Contact {
   static constexpr double opposing = -0.2;  // cosine between the normals of surfaces that may touch
   static constexpr double straight_below = -0.95;  // cosine between the way to the closest point and the normal
   static constexpr double flush = 0.05;  // height over a facet's plane, in its longest edge
+  static constexpr double first_depth = 0.5;  // that a step may lead to below the surface, over the deepest
+  static constexpr double slow = 0.2;  // way in a step, over the deepest, that is no danger
   static constexpr double straight_angle = 3.14159265358979323846;
   bool self_contact = true;
 
@@ -43,7 +45,7 @@ struct ErodingSurface final : Contact {
         .by_default("0.2");
     s.real(&ErodingSurface::friction, "friction", "-", non_negative, "Coulomb friction coefficient").by_default("0");
     s.real(&ErodingSurface::depth, "depth", "-", between(0.1, 1.0),
-           "greatest penetration that is pushed back, over the least of the thickness V/A of the facet's element, the "
+           "greatest penetration that is held, over the least of the thickness V/A of the facet's element, the "
            "facet's longest edge and the longest edge of the undeformed facet")
         .by_default("0.6");
     s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
@@ -64,22 +66,31 @@ struct ErodingSurface final : Contact {
   // has to foresee how facets may stretch.
   double reach(const FacetBounds& facet) const override { return FacetSlabs::reach_of(depth, facet.edge); }
 
-  void add_forces(const ContactView& view, ContactForces& forces) const override {
+  void find_touches(const ContactView& view, ContactTouches& touches) const override {
     const FacetSlabs slabs(view, depth);
+    const bool fast = fastest_pair(view) * view.dt > slow * slabs.least_deepest();
     Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
+      if (fast) limit_step(view, i, slabs, touches);
       each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
-        const int node = view.slave[i];
         const FacetGeometry g(view, facet);
-        const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
-        const double mass = effective_mass(view, node, n, t.weights);
-        const double stiffness = min_of(penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness,
-                                        stability * mass / (view.dt * view.dt));
-        const Vec3 v = relative_velocity(view, node, n, t.weights);
-        forces.add(node, n, t.weights,
-                   penalty_force({stiffness, damping, friction}, t.distance, t.direction, v, mass, view.dt));
+        ContactTouch touch;
+        touch.node = view.slave[i];
+        touch.facet = facet;
+        for (int k = 0; k < 4; ++k) touch.weights[k] = t.weights[k];
+        touch.direction = t.direction;
+        touch.depth = t.distance;
+        touch.stiffness = penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness;
+        if (t.distance <= slabs.deepest(facet))
+          touches.add(touch);
+        else if (t.distance - closing_speed(view, touch) * view.dt <= slabs.deepest(facet))
+          touches.let_go(touch.node, t.distance);
       });
     }
+  }
+
+  ContactResponse response() const override {
+    return {.restitution = 1.0 - damping, .stability = stability, .friction = friction};
   }
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
@@ -108,6 +119,43 @@ struct ErodingSurface final : Contact {
     int first = -1;  // the facet that is probably closest
     double least_flush = 1e300;  // of those that are left out as flush [m2]
   };
+
+  /// Bound of the speed of any node relative to any facet [m/s].
+  static double fastest_pair(const ContactView& view) {
+    Vec3 low{1e300, 1e300, 1e300}, high = low * -1.0;
+    for (int n = 0; n < view.n_nodes; ++n)
+      for (int d = 0; d < 3; ++d) {
+        low[d] = min_of(low[d], view.v(n)[d]);
+        high[d] = max_of(high[d], view.v(n)[d]);
+      }
+    return view.n_nodes > 0 ? norm(high - low) : 0.0;
+  }
+
+  /// Keeps a slave from going far into a facet, or out of its sight, in the step after the coming one. Only facets
+  /// within their reach count, since others are listed or not by chance.
+  void limit_step(const ContactView& view, int i, const FacetSlabs& slabs, ContactTouches& touches) const {
+    const int node = view.slave[i];
+    const Vec3 s = view.x(node), v = view.v(node);
+    for (const std::int32_t f : view.candidates_of(i)) {
+      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
+      const Vec3 mean = (view.v(n[0]) + view.v(n[1]) + view.v(n[2]) + view.v(n[3])) * 0.25;
+      const double closing = -dot(v - mean, slabs.normal(f)), deepest = slabs.deepest(f);
+      if (!(closing * view.dt > slow * deepest)) continue;
+      const double height = dot(s - slabs.centre(f), slabs.normal(f));
+      if (height < -FacetSlabs::sight * deepest) continue;
+      if (!(touch_facet(Triangles(view, f), slabs.size(f), s).distance <= slabs.reach(f))) continue;
+      touches.limit_step(min_of(first_depth * deepest + max_of(height, 0.0), max_of(FacetSlabs::sight * deepest + height, 0.1 * deepest)),
+                         closing);
+    }
+  }
+
+  /// Speed at which the node of a touch goes deeper [m/s].
+  static double closing_speed(const ContactView& view, const ContactTouch& t) {
+    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
+    Vec3 v = view.v(t.node);
+    for (int k = 0; k < 4; ++k) v = v - view.v(n[k]) * t.weights[k];
+    return -dot(v, t.direction);
+  }
 
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.
@@ -152,7 +200,7 @@ struct ErodingSurface final : Contact {
     list_near(s, own, same_part, facets, slabs, near);
     const int found = closest_of(view, near, s, slabs, best);
     if (found < 0) return -1;
-    if (best.distance > slabs.deepest(found)) return -1;
+    if (best.distance > FacetSlabs::sight * slabs.deepest(found)) return -1;
     // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
     // straight below a facet that faces the node is believed to be inside.
     if (same_part) return best.side < straight_below && faces(own, slabs.normal(found)) ? found : -1;
@@ -261,7 +309,7 @@ struct ErodingSurface final : Contact {
 
   static double angle_at(Vec3 corner, Vec3 a, Vec3 b) {
     const Vec3 u = a - corner, v = b - corner;
-    return std::acos(clamp_to(dot(u, v) / (norm(u) * norm(v)), -1.0, 1.0));
+    return kerf::acos(clamp_to(dot(u, v) / (norm(u) * norm(v)), -1.0, 1.0));
   }
 
   /// Unit normal of the surface around a slave, zero for a free node, which has no surface.

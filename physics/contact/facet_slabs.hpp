@@ -16,9 +16,9 @@ namespace kerf::eroding {
 
 using LaneVectors = SideBySide<Lanes>;
 
-/// Of every facet of a view, the flat cylinder that holds its four triangles, and how far it acts: as far as `depth`
-/// times the longest edge of the undeformed facet, and as deep as `depth` times the least of that, its longest edge now
-/// and the thickness V/A.
+/// Of every facet of a view, the flat cylinder that holds its four triangles, and how far it acts: as deep as `depth`
+/// times the least of the longest edge of the undeformed facet, its longest edge now and the thickness V/A. It sees
+/// somewhat farther, so that no node can come to lie too deep unseen.
 class FacetSlabs {
  public:
   FacetSlabs(const ContactView& view, double depth) {
@@ -26,14 +26,16 @@ class FacetSlabs {
     for (auto* rows : {&centres_, &normals_, &sizes_}) rows->resize(n);
     for (std::size_t f = 0; f < n; f += register_lanes) measure(view, depth, f, std::min(f + register_lanes, n));
   }
-  /// How far a facet acts, given its longest edge when it was undeformed [m].
-  static double reach_of(double depth, double edge) { return depth * edge; }
+  /// How far a facet sees, given its longest edge when it was undeformed [m].
+  static double reach_of(double depth, double edge) { return sight * depth * edge; }
+  static constexpr double sight = 1.25;  // over the greatest penetration that is held
 
   Vec3 centre(int facet) const { return vector(centres_[facet]); }
   Vec3 normal(int facet) const { return vector(normals_[facet]); }
   double size(int facet) const { return sizes_[facet].entry[0]; }  // longest edge [m]
   double reach(int facet) const { return sizes_[facet].entry[1]; }  // [m]
-  double deepest(int facet) const { return sizes_[facet].entry[2]; }  // penetration that is pushed back [m]
+  double deepest(int facet) const { return sizes_[facet].entry[2]; }  // penetration that is held [m]
+  double least_deepest() const { return least_deepest_; }  // of all facets [m]
 
   /// Where a node lies, seen from some facets: as many as there are lanes.
   struct Seen {
@@ -62,8 +64,8 @@ class FacetSlabs {
     /// Whether the facet is taken to be able to push the node. A way to the closest point that is not straight leads
     /// sideways by the depth at most. Below a facet that is folded is below its mean plane, here.
     unsigned may_push() const {
-      const Lanes most = radius + deepest;
-      return mask_of((height <= 1e-6 * size + warp) & (height >= -1.01 * deepest - warp) & (across <= most * most));
+      const Lanes seen = 1.01 * sight * deepest, most = radius + seen;
+      return mask_of((height <= 1e-6 * size + warp) & (height >= -seen - warp) & (across <= most * most));
     }
     /// Whether the node may be within reach of the facet, given the square of a distance that it is not closer than.
     unsigned within_reach(Lanes least_square) const { return mask_of(least_square <= reach * reach); }
@@ -126,6 +128,7 @@ class FacetSlabs {
     store(centres_, begin, end, centre.x, centre.y, centre.z, radius);
     store(normals_, begin, end, normal.x, normal.y, normal.z, warp);
     store(sizes_, begin, end, size, load_lanes(reach), deepest, zero);
+    for (std::size_t f = begin; f < end; ++f) least_deepest_ = min_of(least_deepest_, sizes_[f].entry[2]);
   }
   static void store(std::vector<Row>& rows, std::size_t begin, std::size_t end, const Lanes& a, const Lanes& b,
                     const Lanes& c, const Lanes& d) {
@@ -138,6 +141,7 @@ class FacetSlabs {
   std::vector<Row> centres_;  // and the radius, across the normal [m]
   std::vector<Row> normals_;  // and the warp, along it [m]
   std::vector<Row> sizes_;  // longest edge, reach, greatest penetration [m]
+  double least_deepest_ = 1e300;  // [m]
 };
 
 }  // namespace kerf::eroding

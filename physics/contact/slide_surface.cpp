@@ -56,6 +56,7 @@ Projection project(const Vec3 (&x)[4], Vec3 s) {
 
 struct SlideSurface final : Contact {
   std::vector<std::string> slave, master;
+  static constexpr double stability = 0.4;  // of effective mass over dt squared
   double penalty = 0.1, damping = 0.0, friction = 0.0, overlap = 0.02, depth = 1.0;
   bool symmetric = false;
 
@@ -97,19 +98,25 @@ struct SlideSurface final : Contact {
     return 1.5 * facet.longest_edge + depth * min_of(facet.thickness, facet.longest_edge);
   }
 
-  void add_forces(const ContactView& view, ContactForces& forces) const override {
+  void find_touches(const ContactView& view, ContactTouches& touches) const override {
     for (int i = 0; i < view.n_slaves; ++i) {
       Projection p;
       const int facet = locate(view, i, p);
       if (facet < 0 || p.gap >= 0.0) continue;
       const FacetGeometry g(view, facet);
-      const std::int32_t* n = view.facet_nodes + 4 * facet;
-      const double stiffness = penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness;  // f K A^2 / V
-      const double mass = effective_mass(view, view.slave[i], n, p.weights);
-      const Vec3 v = relative_velocity(view, view.slave[i], n, p.weights);
-      forces.add(view.slave[i], n, p.weights,
-                 penalty_force({stiffness, damping, friction}, -p.gap, p.normal, v, mass, view.dt));
+      ContactTouch touch;
+      touch.node = view.slave[i];
+      touch.facet = facet;
+      for (int k = 0; k < 4; ++k) touch.weights[k] = p.weights[k];
+      touch.direction = p.normal;
+      touch.depth = -p.gap;
+      touch.stiffness = penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness;  // f K A^2 / V
+      touches.add(touch);
     }
+  }
+
+  ContactResponse response() const override {
+    return {.restitution = 1.0 - damping, .stability = stability, .friction = friction};
   }
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {

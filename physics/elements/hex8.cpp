@@ -17,15 +17,17 @@ struct Hex8 final : Element {
   double hourglass_coefficient = 0.0, linear_viscosity = 0.0, quadratic_viscosity = 0.0;
 
   struct State {
-    double bulk_viscosity_pressure, resistance[12];
+    double bulk_viscosity_pressure, resistance[12], free_share;
   };
 
   static void describe(Schema<Hex8>& s) {
-    s.choice(&Hex8::hourglass, "hourglass", {"viscous", "stiffness"},
-             "resistance to hourglass modes: proportional to their velocity, or to their displacement")
-        .by_default("viscous");
-    s.real(&Hex8::hourglass_coefficient, "hourglass_coefficient", "-", between(0.0, 0.15),
-           "strength of the hourglass control; stable up to about 0.12 (viscous)")
+    s.choice(
+         &Hex8::hourglass, "hourglass", {"viscous", "stiffness"},
+         "resistance to hourglass modes: proportional to their velocity, or to their displacement (in fluids always "
+         "to their velocity)")
+        .by_default("stiffness");
+    s.real(&Hex8::hourglass_coefficient, "hourglass_coefficient", "-", between(0.0, 0.5),
+           "strength of the hourglass control")
         .by_default("0.05")
         .usual(between(0.01, 0.1));
     s.real(&Hex8::linear_viscosity, "linear_viscosity", "-", between(0.0, 2.0), "linear bulk viscosity coefficient")
@@ -34,10 +36,12 @@ struct Hex8 final : Element {
            "quadratic bulk viscosity coefficient")
         .by_default("1.5");
     s.choice(&Hex8::stable_step, "stable_step", {"plane_wave", "free_element"},
-             "bound of the time step: for bodies of two or more cells in every direction, or for any body, bars and "
-             "sheets of one cell included")
+             "bound of the time step: a plane wave's, less where cells lack neighbours, or that of a free element "
+             "everywhere")
         .by_default("plane_wave");
     s.state(&State::bulk_viscosity_pressure, "bulk_viscosity_pressure", "Pa", 0.0, "bulk viscosity pressure");
+    s.state(&State::free_share, "free_share", "-", 0.0,
+            "freedom to breathe for want of neighbours: 1 for an element that stands alone");
   }
 
   std::vector<StateVariable> state_variables() const override {

@@ -30,7 +30,7 @@ struct LinearPolynomial final : PointwiseEos<LinearPolynomial> {
            "coefficient of mu squared times the energy, in compression only")
         .by_default("0");
     s.real(&LinearPolynomial::initial_energy, "initial_energy", "J/m3", any_value,
-           "internal energy per reference volume at the start; not part of the energy balance")
+           "internal energy per reference volume at the start")
         .by_default("0");
     s.real(&LinearPolynomial::tension_limit, "tension_limit", "Pa", non_negative,
            "the pressure never falls below minus this; no limit where absent")
@@ -38,6 +38,7 @@ struct LinearPolynomial final : PointwiseEos<LinearPolynomial> {
     s.rule("C1", "C1 or C4 must be positive, else the material does not resist compression",
            [](const LinearPolynomial& p) { return p.C1 > 0.0 || p.C4 > 0.0; });
   }
+  double initial_energy_density() const override { return initial_energy; }
   bool uses_energy() const override { return C4 != 0.0 || C5 != 0.0 || C6 != 0.0; }
 
   EosOutput evaluate_point(const EosInput& in, const State&) const {

@@ -105,8 +105,8 @@ struct JohnsonCook final : Material {
   /// and exp.
   static double power(double x, double exponent) {
     const bool some = x > 1e-60;
-    const double argument = exponent * std::log(select(some, x, 1.0));
-    return select(some, std::exp(select(argument > -600.0, argument, -600.0)), 0.0);
+    const double argument = exponent * kerf::log(select(some, x, 1.0));
+    return select(some, kerf::exp(select(argument > -600.0, argument, -600.0)), 0.0);
   }
 
   /// (i) Elastic predictor and (ii) admissibility, at the temperature of the start of the step and at the reference
@@ -141,8 +141,8 @@ struct JohnsonCook final : Material {
 #pragma omp simd
       for (int l = 0; l < lane_width; ++l) {
         const double d = max_of(k.d[l], 1e-60), total = strain[l] + d;
-        const double log_rate = std::log(d * per_reference);
-        const double hardening = B * std::exp(n * std::log(total));
+        const double log_rate = kerf::log(d * per_reference);
+        const double hardening = B * kerf::exp(n * kerf::log(total));
         const double rate = 1.0 + C * max_of(log_rate, 0.0);
         const double residual = 3.0 * G * d + (A + hardening) * rate * k.softening[l] - k.q[l];
         const double slope =

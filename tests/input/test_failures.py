@@ -53,7 +53,7 @@ def pattern(message):
             .replace("TIME", r"time \S+ s, cycle \d+"))
 
 
-def frames(folder, killed=False):
+def frames(folder):
     """Times of the frames, after a look at every one with the reader that ParaView uses."""
     path = str(folder / "results.vtkhdf")
     reader = vtkHDFReader()
@@ -62,10 +62,7 @@ def frames(folder, killed=False):
     reader.UpdateInformation()
     with h5py.File(path) as file:
         times = file["VTKHDF/Steps/Values"][()]
-        counted = file["VTKHDF/Steps"].attrs["NSteps"]
-        # A frame is written first and counted afterwards: a kill between the two loses it, and harms no other.
-        assert counted == len(times) or (killed and counted == len(times) - 1)
-        times = times[:counted]
+        assert file["VTKHDF/Steps"].attrs["NSteps"] == len(times)
     assert reader.GetNumberOfSteps() == len(times)
     for step in range(len(times)):
         reader.SetStep(step)
@@ -200,7 +197,7 @@ def test_a_killed_run_leaves_results_that_can_be_read(ranks, case):
         os.kill(pid, signal.SIGKILL)
     process.communicate(timeout=60)
     assert process.returncode == -signal.SIGKILL
-    times = frames(case / "out", killed=True)
+    times = frames(case / "out")
     assert len(times) >= 1 and times[0] == 0.0 and np.all(np.diff(times) > 0.0)
     assert len(columns(case / "out")) >= 2
     assert not (case / "out" / "summary.json").exists()
@@ -221,16 +218,15 @@ def test_a_killed_run_goes_on_from_its_last_restart_file(case, uninterrupted):
     frames(case / "out")
 
 
-def test_a_run_that_maximum_cycles_ends_goes_on_where_restart_files_are_asked_for(case, uninterrupted):
+def test_a_run_that_has_ended_can_be_prolonged(case, uninterrupted):
+    """After time.end and after time.maximum_cycles, unless the input asks for no restart file at the end."""
     few = settings(LONG | {"time.maximum_cycles": 20})
+    unwanted = kerf("run", "case.yaml", "--output", "out", *few, "--set", "output.restart_at_end=false", cwd=case)
+    assert unwanted.returncode == 0 and not (case / "out" / "restart" / "restart.h5").exists()
     assert kerf("run", "case.yaml", "--output", "out", *few, cwd=case).returncode == 0
-    assert not (case / "out" / "restart" / "restart.h5").exists()
-    # The interval is longer than the run: it is the end of the cycles that writes the file.
-    asked = ["--set", "output.restart_interval=1 s"]
-    assert kerf("run", "case.yaml", "--output", "out", *few, *asked, cwd=case).returncode == 0
     before = list(frames(case / "out")), columns(case / "out")[:, 0].tolist()
     for ranks in (1, 2):
-        nothing = kerf("run", "case.yaml", "--output", "out", "--resume", *on_ranks(ranks), *few, *asked, cwd=case)
+        nothing = kerf("run", "case.yaml", "--output", "out", "--resume", *on_ranks(ranks), *few, cwd=case)
         assert nothing.returncode == 0 and summary_of(case / "out")["cycles"] == 20
         assert "has come to time.maximum_cycles (20) already; no cycle is left to make; raise it" in nothing.stdout
         # Nothing that is there is written again.
@@ -249,6 +245,10 @@ def test_a_run_that_has_come_to_its_end_has_nothing_to_resume(case):
     assert done.returncode == 0, done.stderr
     assert "has come to time.end (2e-07 s) already; no cycle is left to make" in done.stdout
     assert (list(frames(case / "out")), columns(case / "out")[:, 0].tolist()) == before
+    longer = settings(LONG | {"time.end": "0.4 us"})
+    done = kerf("run", "case.yaml", "--output", "out", "--resume", *longer, cwd=case)
+    assert done.returncode == 0 and summary_of(case / "out")["end_time"] == pytest.approx(0.4e-6, rel=1e-9)
+    assert list(frames(case / "out"))[:len(before[0])] == before[0]
 
 
 @pytest.mark.parametrize("ranks, setting, says", [
@@ -311,7 +311,7 @@ def test_a_new_run_does_not_leave_an_older_restart_file_to_be_resumed(case):
     process = start(case, 1, LONG)
     process.terminate()
     process.communicate(timeout=60)
-    done = kerf("run", "case.yaml", "--output", "out", cwd=case)
+    done = kerf("run", "case.yaml", "--output", "out", "--set", "output.restart_at_end=false", cwd=case)
     assert done.returncode == 0
     assert not (case / "out" / "restart" / "restart.h5").exists()
     assert (case / "out" / "restart" / "earlier_run.h5").exists()

@@ -52,7 +52,9 @@ Matrix stress_after(const Matrix& f) {
   const Matrix one = Matrix::Identity();
   const Matrix g = one - f.inverse();  // with respect to the end of the step
   const Matrix h = g * (one - 0.5 * g).inverse();
-  const Matrix strain = 0.5 * (h + h.transpose());
+  const Matrix middle = 0.5 * (h + h.transpose()), spin = 0.5 * (h - h.transpose());
+  const Matrix strain =
+      middle + 0.5 * (spin * middle - middle * spin);  // turned from the middle of the step to its end
   const double p = K * (1.0 / f.determinant() - 1.0);
   return 2.0 * G * (strain - one * (strain.trace() / 3.0)) - p * one;
 }

@@ -88,6 +88,7 @@ class PartOf {
   std::vector<Vec3> x, v;  // [m], [m/s]
   ElementArrays<Real> work;  // of the last call
   double force_quantum = quantum;  // [N]
+  const std::uint8_t* exposed_faces = nullptr;  // per element, for initialise
 
   explicit PartOf(const HexMesh& mesh, const PartLaws& laws = {})
       : x(mesh.x),
@@ -118,6 +119,7 @@ class PartOf {
 
   void initialise() {
     prepare(0.0);
+    work.exposed_faces = exposed_faces;
     if constexpr (is_single)
       element_->initialise_single(work);
     else

@@ -1,4 +1,4 @@
-// The contract of contact algorithms: from nodes, facets and candidate pairs to forces. No communication.
+// The contract of contact algorithms: from nodes, facets and candidate pairs to touches. No communication.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "kerf/element.hpp"
 #include "kerf/math.hpp"
 #include "kerf/plugin.hpp"
 
@@ -22,12 +21,16 @@ struct ContactRow {
 /// whatever a plugin sums or chooses along them is the same on any number of ranks; the order of nodes and facets
 /// themselves means nothing, ties are broken by id. Which facets beyond their reach are listed varies, and some nodes
 /// and facets are listed that no row refers to: a law must not let them matter. Positions and velocities have four
-/// entries per node, on boundaries of 32 bytes.
+/// entries per node, on boundaries of 32 bytes; the fourth one of a position says which axes boundary conditions hold.
+///
+/// Positions and velocities are predicted: the velocity that a node will have in the coming step if contact does
+/// nothing, and where the node will then be at the end of that step. A law thus sees a touch before it happens.
 struct ContactView {
-  double dt = 0.0;  // of the step that has just been made; the next one is longer by `time.growth` at most [s]
+  double dt = 0.0;  // the coming step: positions will advance by this [s]
+  double kick_dt = 0.0;  // velocities will advance by forces times this [s]
   int n_nodes = 0;
   const std::int64_t* node_id = nullptr;
-  const double *position = nullptr, *velocity = nullptr;  // [m], at mid-step [m/s]
+  const double *position = nullptr, *velocity = nullptr;  // predicted [m], [m/s]
   const double* mass = nullptr;  // [kg]
   const std::int32_t* node_part = nullptr;
   int n_facets = 0;
@@ -47,6 +50,13 @@ struct ContactView {
   /// Facets that hold node slave[i]; none for free nodes.
   std::span<const std::int32_t> around_slave(int i) const { return part_of(around, around_rows[i]); }
   Vec3 x(int node) const { return {position[4 * node], position[4 * node + 1], position[4 * node + 2]}; }
+  /// What a force along `direction` moves of a node: 1, or less where boundary conditions hold it.
+  double mobility(int node, Vec3 direction) const {
+    const auto held = static_cast<unsigned>(position[4 * static_cast<std::int64_t>(node) + 3]);
+    double moved = 0.0;
+    for (int d = 0; d < 3; ++d) moved += (held >> d & 1u) != 0 ? 0.0 : direction[d] * direction[d];
+    return held == 0 ? 1.0 : moved;
+  }
   Vec3 v(int node) const { return {velocity[4 * node], velocity[4 * node + 1], velocity[4 * node + 2]}; }
 
  private:
@@ -55,38 +65,46 @@ struct ContactView {
   }
 };
 
-/// Takes contact forces, node against facet, equal and opposite to the last bit.
-class ContactForces {
- public:
-  ContactForces(std::int64_t* force, ForceScale scale) : force_(force), scale_(scale) {}
+/// A node that will be inside of a body at the end of the coming step if contact does nothing.
+struct ContactTouch {
+  std::int32_t node = 0, facet = 0;  // numbers in the view
+  double weights[4] = {};  // of the facet's corners at the closest point; their sum is 1
+  Vec3 direction;  // unit vector out of the body
+  double depth = 0.0;  // below the surface, along `direction` [m]
+  double stiffness = 0.0;  // with which a depth that is there already is taken back [N/m]
+};
 
-  /// Adds `force` [N] to a node and its reaction, split by `weights`, to the four nodes of a facet.
-  void add(int node, const std::int32_t* facet_nodes, const double (&weights)[4], Vec3 force) {
-    for (int d = 0; d < 3; ++d) {
-      std::int64_t sum = 0;
-      for (int k = 0; k < 4; ++k) {
-        const double share = force[d] * weights[k] * scale_.per_quantum;
-        if (!(std::fabs(share) < ForceScale::limit)) {
-          overflow_node_ = node;
-          return;
-        }
-        const auto quanta = static_cast<std::int64_t>(std::llrint(share));
-        force_[4 * facet_nodes[k] + d] -= quanta;
-        sum += quanta;
-      }
-      force_[4 * node + d] += sum;
-    }
-    ++n_pairs_;
+/// What a law finds in one step.
+class ContactTouches {
+ public:
+  void add(const ContactTouch& touch) { touches_.push_back(touch); }
+  /// To be called for a node that comes to lie deeper than the law can hold it [m].
+  void let_go(int node, double depth) { let_go_.push_back({node, depth}); }
+  /// A pair that closes may travel no farther than `way` [m] in a step; it closes at `speed` [m/s].
+  void limit_step(double way, double speed) {
+    if (speed > 0.0) longest_step_ = min_of(longest_step_, way / speed);
   }
-  /// Local number of a node with a force that is not finite or too large, or -1.
-  int overflow_node() const { return overflow_node_; }
-  std::int64_t n_pairs() const { return n_pairs_; }
+  void clear() { *this = {}; }
+
+  struct LetGo {
+    std::int32_t node = 0;
+    double depth = 0.0;  // [m]
+  };
+  const std::vector<ContactTouch>& touches() const { return touches_; }
+  const std::vector<LetGo>& all_let_go() const { return let_go_; }
+  double longest_step() const { return longest_step_; }  // [s]
 
  private:
-  std::int64_t* force_;
-  ForceScale scale_;
-  int overflow_node_ = -1;
-  std::int64_t n_pairs_ = 0;
+  std::vector<ContactTouch> touches_;
+  std::vector<LetGo> let_go_;
+  double longest_step_ = 1e300;
+};
+
+/// How touches are answered; the same for all touches of a definition.
+struct ContactResponse {
+  double restitution = 0.0;  // greatest speed at which a depth is taken back, over the speed at which the pair closed
+  double stability = 0.4;  // upper bound of a touch's stiffness, in units of effective mass over dt squared
+  double friction = 0.0;  // Coulomb coefficient
 };
 
 /// What a definition brings into contact, in terms of parts and node sets; resolved by the engine.
@@ -110,7 +128,9 @@ class Contact : public Plugin {
   /// Distance from a facet within which a node must be a candidate [m]. What nodes move until the next search comes on
   /// top. The bounds of longest edge and thickness foresee the worst, and may be far above what facets come to.
   virtual double reach(const FacetBounds& facet) const = 0;
-  virtual void add_forces(const ContactView& view, ContactForces& forces) const = 0;
+  /// Adds the touches of all slaves of the view, in any order.
+  virtual void find_touches(const ContactView& view, ContactTouches& touches) const = 0;
+  virtual ContactResponse response() const = 0;
   /// Largest depth of a node below the surface at the start, over the facet's thickness, and who it is; for the
   /// check of initial penetration. Returns the number of penetrating slaves.
   virtual int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const = 0;

@@ -59,6 +59,7 @@ struct ElementArrays {
   Real* element_state = nullptr;
   double *material_state = nullptr, *eos_state = nullptr;
   int n_element_state = 0, n_material_state = 0, n_eos_state = 0;
+  const std::uint8_t* exposed_faces = nullptr;  // [block][lane], at time zero; null in later cycles, and where unknown
   // results
   double energy_per_quantum = 1.0;  // [1/J]
   std::int64_t hourglass_energy = 0;  // in energy quanta

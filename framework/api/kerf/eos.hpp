@@ -30,6 +30,9 @@ class Eos : public Law {
  public:
   /// False where the pressure does not depend on energy: the energy equation then needs no second evaluation.
   virtual bool uses_energy() const { return true; }
+  /// Internal energy per reference volume at the start, which `specific_energy` does not contain [J/m3]. The energy
+  /// balance adds it to what elements have taken up since.
+  virtual double initial_energy_density() const { return 0.0; }
   /// Must not change the state: the energy equation evaluates it more than once per step.
   virtual void evaluate(const EosBatch& batch) const = 0;
 };

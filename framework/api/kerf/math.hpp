@@ -3,24 +3,14 @@
 // Everything here is header-only, branch-light and free of aliasing, so that a loop over points that
 // calls it vectorises. Tensor components are ordered xx, yy, zz, xy, yz, zx; shear components are
 // tensor components (not engineering strains). What a material may need exists for float as well, for
-// laws that are written for both; see material.hpp.
+// laws that are written for both; see material.hpp. exp, log, pow and their like are in functions.hpp.
 #pragma once
 
-#include <bit>
 #include <cmath>
-#include <concepts>
-#include <cstdint>
 #include <type_traits>
 
-// glibc ships vector versions of these functions but declares them only under -ffast-math, which Kerf
-// does not use; these declarations make them available to loops marked simd.
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
-extern "C" {
-__attribute__((simd("notinbranch"))) double exp(double) noexcept;
-__attribute__((simd("notinbranch"))) double log(double) noexcept;
-__attribute__((simd("notinbranch"))) double pow(double, double) noexcept;
-}
-#endif
+#include "kerf/functions.hpp"
+#include "kerf/select.hpp"
 
 namespace kerf {
 
@@ -42,33 +32,6 @@ struct Vec3 {
 constexpr double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 constexpr Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
-
-// By value on purpose: std::max and std::clamp take references, which stops GCC 12 from vectorising.
-// Where one argument is NaN, max_of and min_of return the second.
-
-/// c ? a : b without a branch, whatever the optimiser thinks of it: in long loop bodies GCC 12 turns conditional
-/// expressions into control flow, and then does not vectorise the loop.
-constexpr double select(bool c, double a, double b) {
-  const auto mask = -static_cast<std::int64_t>(c);
-  return std::bit_cast<double>((std::bit_cast<std::int64_t>(a) & mask) | (std::bit_cast<std::int64_t>(b) & ~mask));
-}
-// Of floats only where both are: whole numbers stay doubles.
-template <std::same_as<float> Number>
-constexpr Number select(bool c, Number a, Number b) {
-  const auto mask = -static_cast<std::int32_t>(c);
-  return std::bit_cast<float>((std::bit_cast<std::int32_t>(a) & mask) | (std::bit_cast<std::int32_t>(b) & ~mask));
-}
-constexpr double max_of(double a, double b) { return select(a > b, a, b); }
-constexpr double min_of(double a, double b) { return select(a < b, a, b); }
-template <std::same_as<float> Number>
-constexpr Number max_of(Number a, Number b) {
-  return select(a > b, a, b);
-}
-template <std::same_as<float> Number>
-constexpr Number min_of(Number a, Number b) {
-  return select(a < b, a, b);
-}
-constexpr double clamp_to(double value, double low, double high) { return min_of(max_of(value, low), high); }
 
 /// Keeps a denominator that may be zero from being it; far below all quantities in SI units.
 template <class Real>

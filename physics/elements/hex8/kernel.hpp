@@ -59,12 +59,32 @@ class Kernel {
         for (int i = 0; i < 6; ++i) store_lanes(at(w.deviator, 6, block, i, lane), load_lanes(rows.deviator[i] + lane));
         const V rho = load_lanes(rows.density + lane), shear = load_lanes(rows.modulus + lane),
                 K = load_lanes_as<Real>(rows.bulk + lane);
-        const V c2 = (K + Real(4.0 / 3.0) * shear) / rho, viscosity = linear_viscosity_ * sqrt_of(c2);
-        const V fastest2 = c2 + breathing(piece, K, shear, rho);
-        note_step(w, block, lane, piece.length / (viscosity + sqrt_of(viscosity * viscosity + fastest2)));
+        store_free_share(w, block, lane);
+        note_step(w, block, lane, first_step(w, block, lane, piece, K, shear, rho));
         add_initial_forces(w, block, lane, piece);
       });
     }
+  }
+
+  /// Stable step with the viscosity of the initial velocity gradient. What the first step will do is not yet seen: a
+  /// wall may stop the nodes in it. So no node may cross more than `most_crossed` of its element's length in it, and
+  /// the next steps grow from there.
+  [[gnu::always_inline]] V first_step(const Work& w, int block, int lane, const Motion& k, V bulk, V shear,
+                                      V rho) const {
+    V dilatation{};
+    for (int i = 0; i < 3; ++i) dilatation += dot8(k.v[i], k.b[i]);
+    const V closing = max_of(-dilatation / k.volume, V{});
+    const V c2 = (bulk + Real(4.0 / 3.0) * shear) / rho;
+    const V viscosity = linear_viscosity_ * sqrt_of(c2) + quadratic_viscosity_ * k.length * closing;
+    const V stable = stable_step(w, block, lane, k, Real(1.0) / k.volume, viscosity, c2, bulk, shear, rho);
+    V fastest{};
+    for (int l = 0; l < lanes_of<Real>; ++l)
+      for (int n = 0; n < 8; ++n) {
+        const double* v = w.velocity + 4 * static_cast<std::int64_t>(nodes_of(w, block, lane)[lane_width * n + l]);
+        const double speed = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        if (speed > fastest[l]) fastest[l] = static_cast<Real>(speed);
+      }
+    return min_of(stable, Real(most_crossed) * k.length / (fastest + tiny<Real>));
   }
 
   void run(Work& w) const {
@@ -87,8 +107,17 @@ class Kernel {
     V wave, c;  // rho c^2 [Pa], c [m/s]
     V viscosity, q, viscous_work, p;  // linear and quadratic [m/s]; bulk viscosity pressure [Pa]; [J]; [Pa]
     V stable;  // step [s]
+    V elastic_share, solid;  // of the deviator's change; 1 with a shear modulus; for hourglass control by stiffness
   };
   static constexpr bool is_single = std::is_same_v<Real, float>;
+  static constexpr int free_share = 13;  // its place in the element's state; see hex8.cpp
+  /// What viscous hourglass control may take of an hourglass velocity in a step: all of it. Twice as much would be the
+  /// limit of stability.
+  static constexpr double most_effect = 1.0;
+  static constexpr double most_crossed = 0.3;
+  /// Square of frequency times step that hourglass control by stiffness may give to the modes of an element: half of
+  /// the limit of stability.
+  static constexpr double most_effect_of_growth = 2.0;
   /// Rows of a block, for laws and criteria.
   struct Rows {
     Strain step;
@@ -137,15 +166,35 @@ class Kernel {
     scatter_forces<false>(w, nodes_of(w, block, lane), force);
   }
 
-  /// What a free element adds to the square of the plane wave's speed, for the time step. With P_i the eigenvalues of
-  /// B B^T, deformation along its axes has the stiffness 2 G P_i delta_ij + lambda sqrt(P_i P_j), whose largest
-  /// eigenvalue is at most 2 G P_max + lambda tr P; the plane wave's is (2 G + lambda) P_max. Neighbours keep each
-  /// other from breathing in all directions at once, so bodies of several cells do not need it.
-  [[gnu::always_inline]] V breathing(const Motion& k, V bulk, V shear, V rho) const {
-    if (!free_element_) return V{};
-    const V lambda = max_of(bulk - Real(2.0 / 3.0) * shear, V{});
-    const V per_area = k.length / k.volume;  // 1 / sqrt(2 P_max)
-    return lambda * max_of(Real(2.0) * k.gradient_norm * per_area * per_area - Real(1.0), V{}) / rho;
+  /// Freedom to breathe: an element has 3 K where a plane wave has K + 4G/3. With neighbours behind all its faces it
+  /// has none. Corners of bodies that are thicker than a cell have 3 faces exposed, and at Poisson's ratio 1/2 a
+  /// quarter of the freedom; corners of sheets have 4 and two quarters, ends of bars 5 and three, single cells 6 and
+  /// all of it.
+  [[gnu::always_inline]] void store_free_share(Work& w, int block, int lane) const {
+    V share{};
+    for (int l = 0; l < lanes_of<Real>; ++l) {
+      const int exposed = w.exposed_faces ? w.exposed_faces[block * lane_width + lane + l] : 0;
+      share[l] = free_element_ ? Real(1.0) : Real(0.25) * static_cast<Real>(std::max(exposed - 2, 0));
+    }
+    store_lanes(at(w.element_state, w.n_element_state, block, free_share, lane), share);
+  }
+
+  /// The plane wave's bound, with what a free element adds to it. With P_i the eigenvalues of B B^T, deformation along
+  /// its axes has the stiffness 2 G P_i delta_ij + lambda sqrt(P_i P_j), whose largest eigenvalue is at most
+  /// 2 G P_max + lambda tr P; the plane wave's is (2 G + lambda) P_max. The bulk viscosity's is tr P in place of P_max.
+  /// Neighbours keep each other from breathing in all directions at once, so most elements do not need it.
+  [[gnu::always_inline]] static V stable_step(const Work& w, int block, int lane, const Motion& k, V per_volume,
+                                              V viscosity, V c2, V bulk, V shear, V rho) {
+    const V share = load_lanes(at(w.element_state, w.n_element_state, block, free_share, lane));
+    V fastest2 = c2;
+    if (mask_of(share > Real(0.0)) != 0) [[unlikely]] {
+      const V lambda = max_of(bulk - Real(2.0 / 3.0) * shear, V{});
+      const V per_area = k.length * per_volume;  // 1 / sqrt(2 P_max)
+      const V others = share * max_of(Real(2.0) * k.gradient_norm * per_area * per_area - Real(1.0), V{});
+      fastest2 += lambda * others / rho;
+      viscosity += others * viscosity;
+    }
+    return k.length / (viscosity + sqrt_of(viscosity * viscosity + fastest2) + tiny<Real>);
   }
 
   [[gnu::always_inline]] static void note_step(Work& w, int block, int lane, V step) {
@@ -219,6 +268,10 @@ class Kernel {
     alignas(64) Real alive[lane_width];
     std::fill_n(alive, lane_width, Real(1.0));
     for (unsigned left = dead; left != 0; left &= left - 1) alive[std::countr_zero(left)] = Real(0.0);
+    if (dead != 0) [[unlikely]]
+      each_piece<Real>([&](int lane) __attribute__((always_inline)) {
+        take_back_work(w, block, lane, load_lanes(alive + lane), piece(lane), rows);
+      });
     each_piece<Real>([&](int lane) __attribute__((always_inline)) {
       const Piece& p = piece(lane);
       const unsigned inverted = mask_of(~(p.k.volume > Real(0.0))) & ~(dead >> lane);
@@ -294,9 +347,31 @@ class Kernel {
       w.material->update(m);
   }
 
+  /// Change of the deviator over that of an elastic step, |s - R s R^T| / (2 G |dev strain|): one in elastic steps,
+  /// little where the material flows.
+  [[gnu::always_inline]] static V elastic_share(int lane, const Piece& p, const Rows& rows) {
+    const auto& strain = rows.step.strain;
+    const V mean =
+        (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) * Real(1.0 / 3.0);
+    V change2{}, strain2{};
+    for (int i = 0; i < 6; ++i) {
+      const V e = load_lanes(strain[i] + lane) - (i < 3 ? mean : V{});
+      const V change = load_lanes(rows.deviator[i] + lane) - p.s[i];
+      strain2 += Real(i < 3 ? 1.0 : 2.0) * e * e;
+      change2 += Real(i < 3 ? 1.0 : 2.0) * change * change;
+    }
+    const V modulus = Real(2.0) * load_lanes(rows.modulus + lane);
+    const V elastic2 = modulus * modulus * strain2;
+    return change2 < elastic2 ? sqrt_of(change2 / (elastic2 + tiny<Real>)) : lanes(Real(1.0));
+  }
+
   /// Work of the mean of the old and the new deviator; energy with the old pressure, for the EOS.
-  [[gnu::always_inline]] static void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
-                                                    Rows& rows) {
+  [[gnu::always_inline]] void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
+                                             Rows& rows) const {
+    if (stiffness_) {
+      p.elastic_share = elastic_share(lane, p, rows);
+      p.solid = load_lanes(rows.modulus + lane) > Real(0.0) ? lanes(Real(1.0)) : V{};
+    }
     V work{};
     for (int i = 0; i < 6; ++i) {
       const V now = load_lanes(rows.deviator[i] + lane);
@@ -350,9 +425,25 @@ class Kernel {
       store_lanes(viscous_energy, load_lanes(viscous_energy) + p.viscous_work);
     }
     store_lanes(at(w.pressure, 1, block, 0, lane), p.p);
-    const V fastest2 =
-        p.c * p.c + breathing(p.k, load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
-    p.stable = p.k.length / (p.viscosity + sqrt_of(p.viscosity * p.viscosity + fastest2));
+    p.stable = stable_step(w, block, lane, p.k, p.per_volume, p.viscosity, p.c * p.c,
+                           load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
+  }
+
+  /// The stress that an element dies with never acts on its nodes: of the work of the step only the share of the old
+  /// stress was given by them, and the share of the new one is taken back.
+  static void take_back_work(Work& w, int block, int lane, V alive, const Piece& p, const Rows& rows) {
+    V work{};
+    for (int i = 0; i < 6; ++i) work += Real(i < 3 ? 1.0 : 2.0) * p.s[i] * load_lanes(rows.step.strain[i] + lane);
+    const V dead = Real(1.0) - alive, viscous = Real(-0.5) * p.q * p.volume_change * dead;
+    const V given = work * (Real(0.25) * (p.volume + p.old_volume)) * dead - Real(0.5) * p.p * p.volume_change * dead;
+    add(at(w.internal_energy, 1, block, 0, lane), -(given + viscous));
+    add(at(w.viscous_energy, 1, block, 0, lane), -viscous);
+  }
+  static void add(double* sum, V term) {
+    if constexpr (is_single)
+      add_lanes(sum, term);
+    else
+      store_lanes(sum, load_lanes(sum) + term);
   }
 
   unsigned judge_block(Work& w, int block, const Strain& step, const Piece (&pieces)[pieces_of<Real>]) const {
@@ -398,9 +489,9 @@ class Kernel {
 
     V resist[3][4];
     if (stiffness_)
-      resist_displacement(w, block, lane, p, step, rate, alive, resist, totals);
+      resist_displacement(w, block, lane, p, step, shape, rate, alive, resist, totals);
     else
-      resist_velocity(w, block, lane, p, rate, alive, resist, totals);
+      resist_velocity(w, block, lane, p, shape, rate, alive, resist, totals);
 
     const V scale = alive * static_cast<Real>(w.scale.per_quantum), total = p.p + p.q;
     const V(&s)[6] = p.s;
@@ -452,31 +543,81 @@ class Kernel {
     return mask_of(sound) == all_lanes;
   }
 
+  /// Upper bound of the largest eigenvalue of gamma_a . gamma_b, the products of the hourglass shape vectors; eight for
+  /// a parallelepiped. With s = x . Gamma / V, gamma = Gamma - B s and p = B Gamma, the products are
+  /// 8 I - s^T (p - B B^T s) - p^T s, and what is subtracted is bounded by its Frobenius norm.
+  [[gnu::noinline]] static V largest_shape(const Piece& p, const V (&shape)[3][4]) {
+    const Motion& k = p.k;
+    V base[3][4], s[3][4], r[3][4];  // of the gradient; shape per volume; gradient along the shape vectors
+    for (int i = 0; i < 3; ++i) project_hourglass(k.b[i], base[i]);
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a) s[i][a] = shape[i][a] * p.per_volume;
+    for (int i = 0; i < 3; ++i) {
+      V m[3];
+      for (int j = 0; j < 3; ++j) m[j] = dot8(k.b[i], k.b[j]);
+      for (int a = 0; a < 4; ++a) r[i][a] = base[i][a] - (m[0] * s[0][a] + m[1] * s[1][a] + m[2] * s[2][a]);
+    }
+    V norm2{};
+    for (int a = 0; a < 4; ++a)
+      for (int b = a; b < 4; ++b) {
+        V d{};
+        for (int i = 0; i < 3; ++i) d += s[i][a] * r[i][b] + base[i][a] * s[i][b];
+        norm2 += Real(a == b ? 1.0 : 2.0) * d * d;
+      }
+    return Real(8.0) + sqrt_of(norm2);
+  }
+
+  /// What is left of a resistance whose largest effect on the hourglass velocities of a cube in this step would be
+  /// `effect`, so that the effect is at most `most` in the present shape. In most elements a bound by the lengths of
+  /// the shape vectors says that nothing has to go: sqrt(8) (1 + x) at most, x = |s| V / (4 length), and
+  /// (1 + x)^2 <= 1.2 + 6 x^2.
+  [[gnu::always_inline]] static V bounded_share(const Piece& p, const V (&shape)[3][4], V effect, V most) {
+    V size2{};
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a) size2 += shape[i][a] * shape[i][a];
+    const V length2 = p.k.length * p.k.length;
+    const auto may_exceed = effect * (Real(1.2) * length2 + Real(0.375) * size2) > most * length2;
+    V share = lanes(Real(1.0));
+    if (mask_of(may_exceed) != 0) [[unlikely]] {
+      const V exact = effect * largest_shape(p, shape) * Real(0.125);
+      share = may_exceed && exact > most ? most / exact : share;
+    }
+    return share;
+  }
+
+  [[gnu::always_inline]] V viscous_coefficient(const Piece& p) const {
+    const V area = sqrt_of(p.k.gradient_norm * Real(2.0 / 3.0));
+    return (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+  }
+
   /// Viscous control: resistance = Q/4 rho c A g (Hallquist 1998, eq. 3.21, with A = sqrt(2/3 B:B), which is the
   /// face area of a cube). A force acts on the mean of the velocities before and after it, so half of its work is
-  /// booked now and half in the next step, which knows the velocity after it.
-  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p, const V (&rate)[3][4],
-                                              V alive, V (&resist)[3][4], Totals& totals) const {
-    const V area = sqrt_of(p.k.gradient_norm * Real(2.0 / 3.0));
-    const V coefficient = (Real(0.25) * hourglass_coefficient_) * p.mass * p.per_volume * p.c * area;
+  /// booked now and half in the next step, which knows the velocity after it. At most it stops the hourglass motion of
+  /// an element within a step.
+  [[gnu::always_inline]] void resist_velocity(const Work& w, int block, int lane, const Piece& p,
+                                              const V (&shape)[3][4], const V (&rate)[3][4], V alive, V (&resist)[3][4],
+                                              Totals& totals) const {
+    V coefficient = viscous_coefficient(p);
+    const V effect = Real(64.0) * static_cast<Real>(w.dt) * p.per_mass * coefficient;
+    coefficient *= bounded_share(p, shape, effect, lanes(Real(most_effect)));
     V work{};
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 3; ++i) {
         resist[i][a] = coefficient * rate[i][a];
         Real* stored = at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane);
-        work += (load_lanes(stored) + resist[i][a]) * rate[i][a];
+        work += (load_lanes(stored) + alive * resist[i][a]) * rate[i][a];
         store_lanes(stored, resist[i][a]);
       }
-    book_hourglass(w, lane, work, alive, totals);
+    book_hourglass(w, lane, work, p.good, totals);
   }
 
-  static void book_hourglass(const Work& w, int lane, V work, V alive, Totals& totals) {
-    book_part<0>(w, lane, work, alive, totals);
-    if constexpr (n_wide<Real> == 2) book_part<1>(w, lane, work, alive, totals);
+  static void book_hourglass(const Work& w, int lane, V work, V good, Totals& totals) {
+    book_part<0>(w, lane, work, good, totals);
+    if constexpr (n_wide<Real> == 2) book_part<1>(w, lane, work, good, totals);
   }
   template <int part>
-  [[gnu::always_inline]] static void book_part(const Work& w, int lane, V work, V alive, Totals& totals) {
-    const Lanes energy = 0.5 * widened<part>(work) * w.dt * widened<part>(alive) * w.energy_per_quantum;
+  [[gnu::always_inline]] static void book_part(const Work& w, int lane, V work, V good, Totals& totals) {
+    const Lanes energy = 0.5 * widened<part>(work) * w.dt * widened<part>(good) * w.energy_per_quantum;
     const bool small = mask_of(abs_of(energy) < small_limit) == all_lanes;
     const LanesInt quanta =
         small ? round_small_to_int(energy) : round_to_int(max_of(min_of(energy, lanes(1e18)), lanes(-1e18)));
@@ -486,28 +627,35 @@ class Kernel {
 
   /// Stiffness control (Flanagan & Belytschko 1981, eqs. 63-67): resistance grows with k g dt and turns with the
   /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
-  /// highest frequency of the element.
+  /// highest frequency of the element. A fluid has no shape to hold: it gets the viscous form. Where a solid flows, k
+  /// grows as little as the deviator does. The shape vectors of the step's end see the rate in the directions of its
+  /// start: they take the rotation for a part of the linear motion. So the rate turns together with the old resistance.
   [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
-                                                  const Strain& step, const V (&rate)[3][4], V alive, V (&resist)[3][4],
-                                                  Totals& totals) const {
-    const V growth =
-        (hourglass_coefficient_ / Real(24.0)) * p.wave * p.k.gradient_norm * p.per_volume * static_cast<Real>(w.dt);
+                                                  const Strain& step, const V (&shape)[3][4], const V (&rate)[3][4],
+                                                  V alive, V (&resist)[3][4], Totals& totals) const {
+    const auto dt = static_cast<Real>(w.dt);
+    const auto solid = p.solid > Real(0.0);
+    V growth = (hourglass_coefficient_ / Real(24.0)) * p.elastic_share * p.wave * p.k.gradient_norm * p.per_volume * dt;
+    growth = solid ? growth : viscous_coefficient(p);
+    growth *= bounded_share(p, shape, Real(64.0) * dt * p.per_mass * growth,
+                            solid ? lanes(Real(most_effect_of_growth)) : lanes(Real(most_effect)));
     V work{};
     V r[9];
     for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);
     for (int a = 0; a < 4; ++a) {
-      V old[3];
-      for (int i = 0; i < 3; ++i)
-        old[i] = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+      V grown[3];
       for (int i = 0; i < 3; ++i) {
-        V turned = r[3 * i] * old[0] + r[3 * i + 1] * old[1] + r[3 * i + 2] * old[2];
-        if constexpr (is_single) turned += old[i];
-        resist[i][a] = turned + growth * rate[i][a];
-        work += (turned + resist[i][a]) * rate[i][a];
+        const V old = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+        grown[i] = p.solid * old + growth * rate[i][a];
+        work += (old + alive * grown[i]) * rate[i][a];
+      }
+      for (int i = 0; i < 3; ++i) {
+        resist[i][a] = r[3 * i] * grown[0] + r[3 * i + 1] * grown[1] + r[3 * i + 2] * grown[2];
+        if constexpr (is_single) resist[i][a] += grown[i];
         store_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane), resist[i][a]);
       }
     }
-    book_hourglass(w, lane, work, alive, totals);
+    book_hourglass(w, lane, work, p.good, totals);
   }
 
   bool free_element_, stiffness_;

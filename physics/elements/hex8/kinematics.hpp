@@ -215,15 +215,18 @@ template <class Real>
   V h[3][3];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) h[i][j] = g[i][0] * m[0][j] + g[i][1] * m[1][j] + g[i][2] * m[2][j];
-  store_lanes(out.strain[0] + lane, h[0][0]);
-  store_lanes(out.strain[1] + lane, h[1][1]);
-  store_lanes(out.strain[2] + lane, h[2][2]);
-  store_lanes(out.strain[3] + lane, half * (h[0][1] + h[1][0]));
-  store_lanes(out.strain[4] + lane, half * (h[1][2] + h[2][1]));
-  store_lanes(out.strain[5] + lane, half * (h[2][0] + h[0][2]));
   // With w the half axial vector of W: R = I + 2/(1 + w.w) (w x + w x w x)
   const V wx = Real(0.25) * (h[2][1] - h[1][2]), wy = Real(0.25) * (h[0][2] - h[2][0]),
           wz = Real(0.25) * (h[1][0] - h[0][1]);
+  // The strain is that of the middle of the step; the law adds it to a stress that has been turned to the end.
+  const V xx = h[0][0], yy = h[1][1], zz = h[2][2];
+  const V xy = half * (h[0][1] + h[1][0]), yz = half * (h[1][2] + h[2][1]), zx = half * (h[2][0] + h[0][2]);
+  store_lanes(out.strain[0] + lane, xx + Real(2.0) * (wy * zx - wz * xy));
+  store_lanes(out.strain[1] + lane, yy + Real(2.0) * (wz * xy - wx * yz));
+  store_lanes(out.strain[2] + lane, zz + Real(2.0) * (wx * yz - wy * zx));
+  store_lanes(out.strain[3] + lane, xy + (wz * (xx - yy) + wy * yz - wx * zx));
+  store_lanes(out.strain[4] + lane, yz + (wx * (yy - zz) + wz * zx - wy * xy));
+  store_lanes(out.strain[5] + lane, zx + (wy * (zz - xx) + wx * xy - wz * yz));
   const V f = Real(2.0) / (one + wx * wx + wy * wy + wz * wz);
   store_lanes(out.rotation[0] + lane, diagonal<Real> - f * (wy * wy + wz * wz));
   store_lanes(out.rotation[1] + lane, f * (wx * wy - wz));
