@@ -114,6 +114,7 @@ void Simulation::refuse_bad_start(const ContactCover& cover) {
   for (const Overlap& o : find_overlaps(model_)) {
     const int contact = cover.between(o.first, o.second);
     if (contact < 0) {
+      ++n_overlaps_;
       warnings_.push_back(fmt::format(
           "{}: warning: {}, and no contact keeps them apart; move the parts apart, or join them in one mesh",
           model_.parts[static_cast<std::size_t>(o.second)].input->mesh->origin, o.sentence(model_)));
