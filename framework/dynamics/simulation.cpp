@@ -105,6 +105,7 @@ void Simulation::start_contact(const ElementReport& report) {
     reduce(none, report);
   } while (reduction_.least_step < tried.least_step);
   reduction_ = tried;
+  ledger_.let_go = {};  // of the tries
 }
 
 /// Throws where nodes cannot start as they stand, or bodies that may touch overlap.
@@ -216,10 +217,11 @@ void Simulation::add_contact_forces(const Step& step) {
     for (const ContactTouches::LetGo& l : c->touches().all_let_go())
       ledger_.let_go.add(c->part_of(l.node), std::llrint(c->mass_of(l.node) / ledger_.mass_quantum), l.depth,
                          prediction.step().end());
+    // The next definition predicts with these forces, on ghosts too.
+    const auto scope = timers_.measure("halo");
+    copy_to_ghosts(model_, model_.nodes.force.data(), 4);
   }
   load_ = load();
-  const auto scope = timers_.measure("halo");
-  copy_to_ghosts(model_, model_.nodes.force.data(), 4);
 }
 
 void Simulation::reduce(const Step& step, ElementReport report) {
