@@ -496,7 +496,10 @@ void ContactEngine::push_velocities(const Model& model) {
   const double factor = model.quanta.force.quantum * prediction_->step().kick_dt();
   for (std::size_t i = 0; i < mass_.size(); ++i) {
     const std::int64_t* f = &totals[4 * i];
-    if ((f[0] | f[1] | f[2]) == 0) continue;
+    if ((f[0] | f[1] | f[2]) == 0) {
+      std::copy_n(&velocity_[4 * i], 3, &pushed_velocity_[4 * i]);  // what an earlier round pushed may be released
+      continue;
+    }
     const auto held = static_cast<unsigned>(position_[4 * i + 3]);
     const double a = factor / mass_[i];
     for (int d = 0; d < 3; ++d)

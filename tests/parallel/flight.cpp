@@ -122,7 +122,9 @@ class Lookout final : public StepObserver {
     }
     ++report_.n_inside;
     ++report_.n_ends_inside;
-    report_.n_unpushed += i.pushed ? 0 : 1;
+    // A node that contact holds at the surface is inside of it or not by round-off.
+    constexpr double at_surface = 1e-6;
+    report_.n_unpushed += i.pushed || i.depth < at_surface ? 0 : 1;
     if (i.depth <= report_.deepest) return;
     report_.deepest = i.depth;
     report_.worst = fmt::format("cycle {}: {}node {} in element {}, depth {:.3f}, {}", step.cycle,
