@@ -122,8 +122,9 @@ class Lookout final : public StepObserver {
     }
     ++report_.n_inside;
     ++report_.n_ends_inside;
-    // A node that contact holds at the surface is inside of it or not by round-off.
-    constexpr double at_surface = 1e-6;
+    // A node that contact holds at the surface is inside of it or not by round-off, and eroding_surface takes a facet
+    // that looks the same way as the node's own surface for flush up to this height.
+    constexpr double at_surface = 0.05;
     report_.n_unpushed += i.pushed || i.depth < at_surface ? 0 : 1;
     if (i.depth <= report_.deepest) return;
     report_.deepest = i.depth;
