@@ -58,7 +58,8 @@ void print_report(Simulation& simulation, const ModelInput& input) {
              (frame * frames + static_cast<double>(model.n_elements) * 84.0) * 1e-6, frames);
   fmt::print("mass                 {:.6g} kg\n", simulation.ledger().initial_mass);
   fmt::print("kinetic energy       {:.6g} J\n", simulation.ledger().initial_energy);
-  fmt::print("initial penetration  none\n");
+  fmt::print("initial penetration  {}\n",
+             simulation.n_overlaps() == 0 ? "none" : "parts overlap that no contact keeps apart; see the warnings");
 }
 
 }  // namespace

@@ -219,6 +219,7 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   simulation.ledger().accounts = model.rank() == 0 ? accounts_from(file.integers("accounts")) : Accounts{};
   const auto taken = file.reals("contact");
   simulation.ledger().most_taken = taken.at(0);
+  simulation.ledger().let_go = {};
   if (model.rank() == 0) {
     const auto counts = file.integers("let_go");
     simulation.ledger().let_go = {.nodes = counts.at(0),

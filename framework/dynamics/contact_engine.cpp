@@ -20,7 +20,6 @@ namespace {
 constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
 constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
 constexpr std::int64_t renewals = 5;  // intervals from one search of everything to the next
-constexpr int rounds = 5;  // of impacts in a step
 constexpr double spare_share = 0.05;  // of the edge of a rank's box of space, that slaves may leave it by till then
 
 }  // namespace
@@ -497,7 +496,10 @@ void ContactEngine::push_velocities(const Model& model) {
   const double factor = model.quanta.force.quantum * prediction_->step().kick_dt();
   for (std::size_t i = 0; i < mass_.size(); ++i) {
     const std::int64_t* f = &totals[4 * i];
-    if ((f[0] | f[1] | f[2]) == 0) continue;
+    if ((f[0] | f[1] | f[2]) == 0) {
+      std::copy_n(&velocity_[4 * i], 3, &pushed_velocity_[4 * i]);  // what an earlier round pushed may be released
+      continue;
+    }
     const auto held = static_cast<unsigned>(position_[4 * i + 3]);
     const double a = factor / mass_[i];
     for (int d = 0; d < 3; ++d)
@@ -565,9 +567,9 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   ContactForces forces(force_.data(), friction_.data(), model.quanta.force);
   Impacts impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass});
   pushed_velocity_ = velocity_;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < Impacts::rounds; ++round) {
     if (round > 0) push_velocities(model);
-    impacts.add_round(pushed_velocity_.data(), round + 1 == rounds, forces);
+    impacts.add_round(pushed_velocity_.data(), round + 1 == Impacts::rounds, forces);
   }
   if (forces.overflow_node() >= 0)
     trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",

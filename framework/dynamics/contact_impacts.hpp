@@ -55,6 +55,7 @@ void add_shares(const ContactView& view, const ContactTouches& touches, const Ma
 /// momentum (H. Mazhar, T. Heyn, D. Negrut & A. Tasora, ACM Trans. Graph. 34 (2015) 32).
 class Impacts {
  public:
+  static constexpr int rounds = 5;  // in a step
   /// `split` has the shares of the touches of all ranks. The view must outlive this.
   Impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
           const MassSplit& split);

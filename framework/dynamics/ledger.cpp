@@ -108,7 +108,7 @@ void Ledger::judge_contact(Balance& b) {
   const double taken = b.contact - b.friction;
   most_taken = std::max(most_taken, taken);
   b.given_back = most_taken - taken;
-  b.error += b.given_back / reference(b);
+  b.error += std::copysign(b.given_back / reference(b), b.error);  // never against an error of the other kind
 }
 
 void LetGo::add(int part, std::int64_t mass_quanta, double depth, double time) {

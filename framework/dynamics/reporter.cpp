@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "core/diagnostics.hpp"
 #include "dynamics/result_fields.hpp"
@@ -68,7 +67,7 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
   history_interval_ = o.history_interval > 0.0 ? o.history_interval : input.time.end / 200.0;
   restart_interval_ = o.restart_interval;
   const Model& model = simulation.model();
-  on_root(model.comm, [&] { std::filesystem::create_directories(settings.folder); });
+  on_root(model.comm, [&] { make_folder(settings.folder); });
   eroded_by_.assign(8 * model.parts.size(), 0);
   if (settings.resume)
     resume(settings.folder + "/");
@@ -239,7 +238,7 @@ void Reporter::write_history(bool check) {
 }
 
 void Reporter::write_restart() {
-  on_root(simulation_.model().comm, [&] { std::filesystem::create_directories(settings_.folder + "/restart"); });
+  on_root(simulation_.model().comm, [&] { make_folder(settings_.folder + "/restart"); });
   history_->sync();  // rows up to the time of the restart file must be there when it is
   erosion_log_->sync();
   due_.n_frames = results_->n_frames();

@@ -73,6 +73,8 @@ class Simulation {
   double first_stable_step() const { return first_stable_; }
   /// What a user should look at before the run, as lines "origin: warning: what; what to do"; the same on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Pairs of parts that overlap at the start without a contact between them.
+  int n_overlaps() const { return n_overlaps_; }
 
   // For restart
   struct Progress {
@@ -119,6 +121,7 @@ class Simulation {
   ContactLoad load_;
   std::int64_t element_cycles_ = 0;
   double first_stable_ = 0.0;
+  int n_overlaps_ = 0;
   double resumed_contact_step_ = 0.0;  // what contact allowed when the restart was written [s]; 0 if not resumed
   bool signalled_ = false;
 };

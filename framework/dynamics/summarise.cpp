@@ -266,7 +266,7 @@ std::string Reporter::table_of(const Summary& s) const {
     fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,
                    norm({p.velocity[0], p.velocity[1], p.velocity[2]}));
   if (s.contact_let_go.nodes > 0)
-    fmt::print("\nwarning: contact has let go of {} nodes, up to {:.4g} m deep, the first at {:.6g} s\n",
+    fmt::format_to(out, "\nwarning: contact has let go of {} nodes, up to {:.4g} m deep, the first at {:.6g} s\n",
                s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time);
   if (s.eroded.elements > 0) {
     fmt::format_to(out, "\neroded by");

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 #include "output/collective.hpp"
 
@@ -37,9 +38,9 @@ void sync_folder(const std::string& path) {
   if (id < 0) fail_on("open the folder", folder);
   const bool synced = unbroken([&] { return ::fsync(id); }) == 0 || errno == EINVAL || errno == ENOTSUP;
   const int reason = errno;
-  ::close(id);
-  errno = reason;
-  if (!synced) fail_on("write the folder", folder);
+  const bool closed = ::close(id) == 0 || errno == EINTR;
+  if (!synced) errno = reason;
+  if (!synced || !closed) fail_on("write the folder", folder);
 }
 
 /// Another machine may see a file somewhat later than the one that made it.
@@ -135,6 +136,12 @@ void File::sync() {
 void File::close() {
   // The descriptor is free whatever close() says; a second call could close another file.
   if (id_ >= 0 && ::close(std::exchange(id_, -1)) != 0 && errno != EINTR) fail("close");
+}
+
+void make_folder(const std::string& path) {
+  std::error_code status;
+  std::filesystem::create_directories(path, status);
+  if (status) throw std::runtime_error("cannot make the folder \"" + path + "\": " + status.message());
 }
 
 void publish(const std::string& from, const std::string& to) {

@@ -50,6 +50,8 @@ class File {
   int id_ = -1;
 };
 
+/// Makes a folder and those around it, or does nothing where it is there. Throws std::runtime_error.
+void make_folder(const std::string& path);
 /// Renames a file that is complete and waits until the disk knows its name. Throws std::runtime_error.
 void publish(const std::string& from, const std::string& to);
 /// Renames, or does nothing where `from` does not exist. Throws std::runtime_error.

@@ -33,15 +33,13 @@ struct ErodingSurface final : Contact {
   static void describe(Schema<ErodingSurface>& s) {
     s.texts(&ErodingSurface::parts, "parts", "parts or sets in contact with one another; all where absent").optional();
     s.boolean(&ErodingSurface::self_contact, "self_contact", "whether a part touches itself").by_default("true");
-    s.real(&ErodingSurface::penalty, "penalty", "-", positive, "factor f of the penalty stiffness f K A^2 / V")
+    s.real(&ErodingSurface::penalty, "penalty", "-", positive, "factor f of the stiffness f K A^2 / V with which a depth is taken back")
         .by_default("0.4");
     s.real(&ErodingSurface::stability, "stability", "-", between(0.0, 1.0),
-           "upper bound of the stiffness, in units of effective mass over dt squared")
+           "upper bound of the stiffness with which a depth is taken back, in units of effective mass over dt squared")
         .by_default("0.4");
     s.real(&ErodingSurface::damping, "damping", "-", between(0.0, 1.0),
-           "damping of the normal motion, as a fraction of critical; takes the energy of nodes that are found deep "
-           "inside at "
-           "once, when elements round them erode")
+           "one minus the greatest speed at which a depth is taken back, over the speed at which the pair closed")
         .by_default("0.2");
     s.real(&ErodingSurface::friction, "friction", "-", non_negative, "Coulomb friction coefficient").by_default("0");
     s.real(&ErodingSurface::depth, "depth", "-", between(0.1, 1.0),

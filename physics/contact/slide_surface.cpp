@@ -1,4 +1,4 @@
-// The classical master/slave slide surface: nearest master node, segments round it, projection, penalty force.
+// The classical master/slave slide surface: nearest master node, segments round it, projection, touch.
 //
 // Sources: J.O. Hallquist, G.L. Goudreau & D.J. Benson, "Sliding interfaces with contact-impact in large-scale
 // Lagrangian computations", CMAME 51 (1985) 107-137; penalty f K A^2 / V as used by Ren & Wang, Explosion and
@@ -63,10 +63,10 @@ struct SlideSurface final : Contact {
   static void describe(Schema<SlideSurface>& s) {
     s.texts(&SlideSurface::slave, "slave", "parts or sets whose exterior nodes are slaves");
     s.texts(&SlideSurface::master, "master", "parts or sets whose exterior facets are masters");
-    s.real(&SlideSurface::penalty, "penalty", "-", positive, "factor f of the penalty stiffness f K A^2 / V")
+    s.real(&SlideSurface::penalty, "penalty", "-", positive, "factor f of the stiffness f K A^2 / V with which a depth is taken back")
         .by_default("0.1");
     s.real(&SlideSurface::damping, "damping", "-", between(0.0, 1.0),
-           "damping of the normal motion, as a fraction of critical")
+           "one minus the greatest speed at which a depth is taken back, over the speed at which the pair closed")
         .by_default("0");
     s.real(&SlideSurface::friction, "friction", "-", non_negative, "Coulomb friction coefficient").by_default("0");
     s.boolean(&SlideSurface::symmetric, "symmetric", "a second pass with the roles exchanged").by_default("false");
@@ -75,7 +75,7 @@ struct SlideSurface final : Contact {
         .by_default("0.02");
     s.real(
          &SlideSurface::depth, "depth", "-", positive,
-         "greatest penetration that is pushed back, over the lesser of the thickness V/A of the master element and the "
+         "greatest penetration that is held, over the lesser of the thickness V/A of the master element and the "
          "segment's longest edge")
         .by_default("1");
     s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
@@ -174,4 +174,4 @@ struct SlideSurface final : Contact {
 
 }  // namespace
 
-KERF_CONTACT(SlideSurface, "slide_surface", "classical master/slave slide surface with penalty force f K A^2 / V")
+KERF_CONTACT(SlideSurface, "slide_surface", "classical master/slave slide surface; depths are taken back with stiffness f K A^2 / V")

@@ -131,14 +131,15 @@ def in_a_process_of_its_own(work):
     reading, writing = os.pipe()
     pid = os.fork()
     if pid == 0:
-        os.close(reading)
-        status = 0
         try:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_DFL)
+            os.close(reading)
             work()
         except BaseException as e:  # all that can go wrong is told to the parent
             os.write(writing, f"{type(e).__name__}: {e}".encode()[:2000])
-            status = 1
-        os._exit(status)
+        finally:
+            os._exit(0)
     os.close(writing)
     with os.fdopen(reading, "rb") as pipe:
         text = pipe.read().decode(errors="replace")

@@ -29,6 +29,8 @@ def judge(report, reference, folder, done, case, error):
         what = what + ", went on from the file before"
     elif done.code == 0 and what.startswith("full") and (folder / "out" / "summary.json").exists():
         what = what + ", after the last call that needs space"
+    elif done.code == 2 and f"the folder for the results cannot be made: {os.strerror(error)}" in done.err:
+        what = what + ", no folder: name another"
     elif done.code == 1:
         if len(re.findall(sentence_of(error), done.err)) != 1:
             wrong = f"says: {done.err[-400:]}"

@@ -2,6 +2,7 @@
 
 import importlib
 import inspect
+import signal
 import sys
 import time
 from pathlib import Path
@@ -13,7 +14,13 @@ from harness import Report  # noqa: E402
 CAMPAIGNS = ("damaged_restarts", "kills", "io_faults", "fuzz_input", "parameters", "sanitizers", "newest_python")
 
 
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+
 def main(words):
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, interrupt)  # also where a shell started this in the background
     name = words[0] if words else "list"
     if name == "list":
         for campaign in CAMPAIGNS:

@@ -66,8 +66,8 @@ FILES = {
                                   "rebuild it with this Kerf's headers and libraries"),
     "nothing to resume from": (["case.yaml", "--resume", "--output", "new"],
                                "new/restart/restart.h5: error: there is no restart file to resume from; a run writes "
-                               "one when a signal stops it and, if output.restart_interval is given, on the way and after "
-                               "time.maximum_cycles; run without --resume, or name the folder of the earlier run with "
+                               "one at its end (unless output.restart_at_end is false), when a signal stops it and, if "
+                               "output.restart_interval is given, on the way; run without --resume, or name the folder of the earlier run with "
                                "--output"),
     "output into a file": (["case.yaml", "--output", "case.yaml"],
                            "case.yaml: error: the folder for the results cannot be made: Not a directory; name another "
@@ -102,7 +102,8 @@ def test_a_restart_file_that_is_none(tmp_path, ranks):
     restart.write_text("this is no HDF5 file")
     done = kerf("run", "case.yaml", "--resume", "--output", "out", *on_ranks(ranks), cwd=tmp_path)
     assert done.returncode == 2
-    assert done.stderr.startswith("out/restart/restart.h5: error: this is no restart file of Kerf's (")
+    assert done.stderr.startswith("out/restart/restart.h5: error: there is no restart file that can be used: "
+                                  "\"out/restart/restart.h5\" is no file of Kerf's: ")
     assert done.stderr.endswith("run without --resume\n") and done.stderr.count("\n") == 1
 
 

@@ -16,30 +16,31 @@ from input_case import GOOD, KERF, kerf, on_ranks, settings, spoiled, summary_of
 # Without erosion, so that nothing saves an element that goes wrong.
 PLAIN = spoiled([(GOOD[GOOD.index("    erosion:"):GOOD.index("\nparts:")], "")])
 
-SLIDE = "[{{type: slide_surface, slave: striker, master: target, penalty: {}}}]"
-
 # What makes a run fail: (settings, message; NODE and ELEMENT stand for "node 7 (part rod, rank 0)").
 FAILURES = {
     "inverted element": (
-        {"contacts": SLIDE.format(1000), "time.end": "20 us"},
+        {"parameters.speed": "0 0 -20000 m/s", "time.end": "20 us", "checks.let_go": "1",
+         "checks.energy_growth": "1.0e+12", "checks.maximum_speed": "1.0e+9 m/s"},
         r"ELEMENT is inverted \(its volume is not positive\); give its material the erosion criterion inversion, refine "
         r"the mesh, or use more hourglass control; at TIME"),
     "stress that is no number": (
         {"materials.copper.eos": "{type: linear_polynomial, C1: 130 GPa, C2: 1.0e+300, C3: 1.0e+300}"},
         r"the forces of ELEMENT are not finite or beyond all bounds at TIME"),
-    "speed beyond all numbers": (
-        {"parameters.speed": "0 0 -1.0e+200 m/s"},
-        r"ELEMENT is inverted .* at TIME"),
-    "contact that makes energy": (
-        {"contacts": SLIDE.format(20), "time.end": "20 us"},
-        r"the energy balance is off by \d+\.\d\d %, more than checks.energy_growth of 5.00 %, at TIME; the highest "
+    "speed beyond all bounds": (
+        {"parameters.speed": "0 0 -1.0e+100 m/s"},
+        r"NODE moves at \S+ m/s, faster than 4.58e\+05 m/s at TIME"),
+    "energy balance that is off": (
+        {"checks.energy_growth": "1.0e-6"},
+        r"the energy balance is off by \d+\.\d\d %, more than checks.energy_growth of 0.00 %, at TIME; the highest "
         r"energy per mass, \S+ J/kg, is in ELEMENT"),
-    "contact that is far too stiff": (
-        {"contacts": SLIDE.format(1.0e9), "time.end": "20 us", "checks.energy_growth": "1.0e+12"},
-        r"the contact force on NODE is not finite or beyond all bounds at TIME"),
+    "contact that lets go": (
+        {"parameters.speed": "0 0 -3000 m/s", "time.end": "20 us"},
+        r"contact has let go of \d+ nodes, which came to lie up to \S+ m inside a body, with more than checks.let_go "
+        r"\(0.01\) of the mass of the model, the first at time \S+ s; refine the mesh where bodies meet, or lower "
+        r"time.safety_factor; at TIME"),
     "time step that collapses": (
-        {"time.minimum_step": "170 ns"},
-        r"the stable time step of ELEMENT is \S+ s \(times safety_factor 0.9\), below the minimum of 1.7e-07 s; give its "
+        {"time.minimum_step": "150 ns"},
+        r"the stable time step of ELEMENT is \S+ s \(times safety_factor 0.9\), below the minimum of 1.5e-07 s; give its "
         r"material the erosion criterion minimum_time_step or lower time.minimum_step; at TIME"),
     "node that is too fast": (
         {"checks.maximum_speed": "100 m/s"},
@@ -97,8 +98,6 @@ def test_stops_on_all_ranks_and_says_where(name, case):
         rows = (case / f"out{ranks}" / "history.csv").read_text().splitlines()
         assert float(rows[-1].split(",")[0]) == pytest.approx(stopped, rel=1e-5)
         said.append(re.sub(r"rank \d", "rank", found[1]))
-    if name == "contact that is far too stiff":  # of many such nodes any may be named
-        said = [re.sub(r"node \d+", "node", text) for text in said]
     assert said[0] == said[1]
 
 
@@ -107,7 +106,7 @@ def test_a_step_that_is_too_small_from_the_start(command, case):
     done = kerf(command, "case.yaml", "--set", "time.minimum_step=1 us", cwd=case)
     assert done.returncode == 3
     found = re.fullmatch(r"case.yaml: error: the run cannot start: (.*)\n", done.stderr)
-    assert found and re.fullmatch(pattern(FAILURES["time step that collapses"][1]).replace("1.7e-07", "1e-06"),
+    assert found and re.fullmatch(pattern(FAILURES["time step that collapses"][1]).replace("1.5e-07", "1e-06"),
                                   found[1]), done.stderr
 
 

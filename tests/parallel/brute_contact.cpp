@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynamics/contact_impacts.hpp"
 #include "mesh/surface.hpp"
 
 namespace kerf::test {
@@ -151,9 +152,10 @@ void BruteContact::list_pairs() {
   }
 }
 
-ContactView BruteContact::view(double dt) const {
+ContactView BruteContact::view() const {
   ContactView v;
-  v.dt = dt;
+  v.dt = dt_;
+  v.kick_dt = kick_dt_;
   v.n_nodes = static_cast<int>(node_id_.size());
   v.node_id = node_id_.data();
   v.position = position_.data();
@@ -176,10 +178,39 @@ ContactView BruteContact::view(double dt) const {
   return v;
 }
 
-std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const ForceScale& scale, double dt) const {
-  std::vector<std::int64_t> force(4 * node_id_.size(), 0);
-  ContactForces sink(force.data(), scale);
-  law_.add_forces(view(dt), sink);
+void BruteContact::predict(const std::map<std::int64_t, std::array<std::int64_t, 3>>& contact, const Quanta& quanta,
+                           const Step& next) {
+  dt_ = next.dt;
+  kick_dt_ = next.kick_dt();
+  for (std::size_t n = 0; n < node_id_.size(); ++n) {
+    const NodeRecord& r = global_.nodes[n];
+    const auto it = contact.find(r.id);
+    const double a = (r.mass > 0.0 ? 1.0 / r.mass : 0.0) * (quanta.force.quantum * kick_dt_);
+    for (std::size_t d = 0; d < 3; ++d) {
+      const std::int64_t force = r.force[d] - (it != contact.end() ? it->second[d] : 0);
+      velocity_[4 * n + d] = r.velocity[d] + static_cast<double>(force) * a;
+      position_[4 * n + d] = r.position[d] + velocity_[4 * n + d] * dt_;
+    }
+  }
+}
+
+std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Quanta& quanta) const {
+  std::vector<std::int64_t> force(4 * node_id_.size(), 0), friction = force, shares(node_id_.size(), 0);
+  ContactForces sink(force.data(), friction.data(), quanta.force);
+  const ContactView seen = view();
+  ContactTouches touches;
+  law_.find_touches(seen, touches);
+  const MassSplit split{shares.data(), quanta.mass};
+  add_shares(seen, touches, split);
+  Impacts impacts(seen, touches, law_.response(), split);
+  AlignedVector<double> velocity = velocity_;
+  for (int round = 0; round < Impacts::rounds; ++round) {
+    for (std::size_t i = 0; i < 4 * mass_.size() && round > 0; ++i)
+      if (i % 4 < 3 && mass_[i / 4] > 0.0)
+        velocity[i] =
+            velocity_[i] + static_cast<double>(force[i]) * (quanta.force.quantum * kick_dt_ / mass_[i / 4]);
+    impacts.add_round(velocity.data(), round + 1 == Impacts::rounds, sink);
+  }
   std::map<std::int64_t, std::array<std::int64_t, 3>> result;
   for (std::size_t n = 0; n < node_id_.size(); ++n)
     if (force[4 * n] != 0 || force[4 * n + 1] != 0 || force[4 * n + 2] != 0)
@@ -187,21 +218,20 @@ std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const F
   return result;
 }
 
-bool BruteContact::is_pushed(std::int64_t node, const ForceScale& scale, double dt) const {
+bool BruteContact::is_pushed(std::int64_t node) const {
   const auto it = std::find(slave_.begin(), slave_.end(), number_.at(node));
-  return it != slave_.end() && row_is_pushed(static_cast<std::size_t>(it - slave_.begin()), scale, dt);
+  return it != slave_.end() && row_is_pushed(static_cast<std::size_t>(it - slave_.begin()));
 }
 
-bool BruteContact::row_is_pushed(std::size_t row, const ForceScale& scale, double dt) const {
-  std::vector<std::int64_t> force(4 * node_id_.size(), 0);
-  ContactForces sink(force.data(), scale);
-  ContactView one = view(dt);
+bool BruteContact::row_is_pushed(std::size_t row) const {
+  ContactTouches touches;
+  ContactView one = view();
   one.n_slaves = 1;
   one.slave += row;
   one.candidate_rows += row;
   one.around_rows += row;
-  law_.add_forces(one, sink);
-  return sink.n_pairs() != 0;
+  law_.find_touches(one, touches);
+  return !touches.touches().empty();
 }
 
 double BruteContact::depth_below_surface(Vec3 p, int part) const {
@@ -228,7 +258,7 @@ double BruteContact::depth_below_surface(Vec3 p, int part) const {
   return depth;
 }
 
-std::vector<Intruder> BruteContact::intruders(const ForceScale& scale, double dt) const {
+std::vector<Intruder> BruteContact::intruders() const {
   std::vector<Hexahedron> hexahedra;
   for (const GlobalElement& e : global_.elements) hexahedra.emplace_back(global_, e);
   std::vector<Intruder> result;
@@ -249,7 +279,7 @@ std::vector<Intruder> BruteContact::intruders(const ForceScale& scale, double dt
       i.element = element.id;
       i.own_part = own;
       i.free = node.free != 0;
-      i.pushed = row_is_pushed(row, scale, dt);
+      i.pushed = row_is_pushed(row);
       i.depth = depth_below_surface(p, element.part);
       result.push_back(i);
     }

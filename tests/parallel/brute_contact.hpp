@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "dynamics/step.hpp"
 #include "kerf/contact.hpp"
 #include "parallel/global_model.hpp"
 #include "state/aligned.hpp"
@@ -17,7 +18,7 @@ namespace kerf::test {
 struct Intruder {
   std::int64_t node = 0, element = 0;
   bool own_part = false, free = false;
-  bool pushed = false;  // whether the law gives it a force
+  bool pushed = false;  // whether the law finds a touch
   double depth = 0.0;  // to the closest exterior facet of the element's part, over the least of the facet's thickness,
                        // longest edge and that of the undeformed one: what eroding_surface measures its window by
 };
@@ -30,14 +31,19 @@ class BruteContact {
   /// Slaves and masters of the law must be parts, not sets. All arguments must outlive this.
   BruteContact(const GlobalModel& global, const std::vector<PartModel>& parts, const Contact& law);
 
-  /// Forces of the law on all nodes, in quanta, by node id; nodes without force are left out.
-  std::map<std::int64_t, std::array<std::int64_t, 3>> forces(const ForceScale& scale, double dt) const;
+  /// Moves all nodes to where they will be at the end of a step if contact does nothing. `contact` is the share of
+  /// contact in the nodes' forces. Pre: no boundary conditions.
+  void predict(const std::map<std::int64_t, std::array<std::int64_t, 3>>& contact, const Quanta& quanta,
+               const Step& next);
+  /// Forces of contact on all nodes, in quanta, by node id; nodes without force are left out. To be called after
+  /// `predict`.
+  std::map<std::int64_t, std::array<std::int64_t, 3>> forces(const Quanta& quanta) const;
   /// All slaves that are inside elements of other parts, and of their own part where they share no node with the
   /// ring round them.
-  std::vector<Intruder> intruders(const ForceScale& scale, double dt) const;
+  std::vector<Intruder> intruders() const;
 
-  /// Whether the law gives this slave a force.
-  bool is_pushed(std::int64_t node, const ForceScale& scale, double dt) const;
+  /// Whether the law finds a touch of this slave.
+  bool is_pushed(std::int64_t node) const;
 
  private:
   struct Hexahedron {
@@ -45,8 +51,8 @@ class BruteContact {
     explicit Hexahedron(const GlobalModel& global, const GlobalElement& e);
     bool holds(Vec3 p) const;
   };
-  ContactView view(double dt) const;
-  bool row_is_pushed(std::size_t row, const ForceScale& scale, double dt) const;
+  ContactView view() const;
+  bool row_is_pushed(std::size_t row) const;
   double depth_below_surface(Vec3 p, int part) const;
   Vec3 undeformed(std::int64_t node) const;
   void list_nodes();
@@ -60,6 +66,7 @@ class BruteContact {
   ContactRequest request_;
   std::map<std::int64_t, std::int32_t> number_;  // of node ids
   std::vector<std::int64_t> node_id_, facet_id_;
+  double dt_ = 0.0, kick_dt_ = 0.0;  // of the step that is predicted [s]
   AlignedVector<double> position_, velocity_;
   std::vector<double> mass_, bulk_modulus_, volume_, edge_;
   std::vector<std::int32_t> node_part_, facet_nodes_, facet_opposite_, facet_part_;

@@ -1,9 +1,9 @@
 // No node passes through a live facet: random blocks that strike each other, looked at by brute force as they do.
 //
-// Depths are in units of the least of a facet's thickness, longest edge and that of the undeformed one. The contact
-// laws are penalty laws: a node goes in as deep as it takes to stop it, which grows with the speed, and eroding_surface
-// lets go of what is deeper than 0.6. The limits below are about one and a half times the deepest of 60 seeds of each
-// kind.
+// Depths are in units of the least of a facet's thickness, longest edge and that of the undeformed one. Contact stops a
+// node at the surface, as far as the rounds of a step come to agree, and eroding_surface lets go of what is deeper than
+// 0.6. Where elements vanish at random, a node is found as deep as it then lies, and is held there: nothing pushes it
+// out that it has not brought in.
 #include <gtest/gtest.h>
 
 #include <ostream>
@@ -46,8 +46,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Kind{"flat_500", flight(500, true, true, Deletion::none), 0.25},
                     Kind{"turned_500_eroding", flight(500, false, true, Deletion::strain), 0.25},
                     Kind{"flat_500_eroding", flight(500, true, true, Deletion::strain), 0.25},
-                    Kind{"turned_500_deleted_at_random", flight(500, false, true, Deletion::random), 0.25},
-                    Kind{"elastic_300_deleted_at_random", flight(300, false, false, Deletion::random), 0.4},
+                    Kind{"turned_500_deleted_at_random", flight(500, false, true, Deletion::random), 0.6},
+                    Kind{"elastic_300_deleted_at_random", flight(300, false, false, Deletion::random), 0.6},
                     Kind{"elastic_500", flight(500, true, false, Deletion::none), 0.4},
                     Kind{"turned_1500_eroding", flight(1500, false, true, Deletion::strain), 0.6},
                     Kind{"flat_1500_eroding", flight(1500, true, true, Deletion::strain), 0.6},
@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(Flights, let_no_node_through_and_find_all_forces) {
   const int n_seeds = size_of(MPI_COMM_WORLD) == 1 ? 12 : 2;
-  std::int64_t n_inside = 0, n_unpushed = 0;
+  std::int64_t n_inside = 0, n_unpushed = 0, n_loaded = 0;
   for (int seed = 0; seed < n_seeds; ++seed) {
     Flight f = GetParam().flight;
     f.seed = static_cast<std::uint64_t>(seed);
@@ -69,9 +69,10 @@ TEST_P(Flights, let_no_node_through_and_find_all_forces) {
     EXPECT_EQ(report.forces.n_different, 0) << "seed " << seed << "; " << report.forces.first_difference;
     n_inside += report.n_inside;
     n_unpushed += report.n_unpushed;
+    n_loaded += report.forces.n_loaded;
   }
   if (rank_of(MPI_COMM_WORLD) != 0) return;
-  EXPECT_GT(n_inside, 50 * n_seeds) << "the bodies hardly touch";
+  EXPECT_GT(n_loaded, 50 * n_seeds) << "the bodies hardly touch";
   // Two seeds are too few for a share: one node that is let go is seen a few dozen times.
   if (n_seeds > 2) {
     EXPECT_LE(static_cast<double>(n_unpushed), GetParam().letting_go * static_cast<double>(n_inside))

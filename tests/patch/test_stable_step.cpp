@@ -172,7 +172,9 @@ TEST(StableStep, OfTheStartLetsNoNodeCrossAThirdOfACell) {
     part.v.assign(8, Vec3{0.6 * speed, 0.0, -0.8 * speed});
     part.initialise();
     EXPECT_LE(part.stable_step() * speed, 0.3 * size);
-    if (speed < 1e3) EXPECT_NEAR(part.stable_step() / at_rest, 1.0, 1e-12);
+    if (speed < 1e3) {
+      EXPECT_NEAR(part.stable_step() / at_rest, 1.0, 1e-12);
+    }
   }
 }
 

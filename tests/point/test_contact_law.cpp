@@ -37,14 +37,12 @@ struct Roof {
       for (int d = 0; d < 3; ++d) position[4 * n + d] += ridge[d];
   }
 
-  /// Force on the free node at `s` from the ridge's end, that moves down at 1 m/s [N]; empty where the law says it is
-  /// beyond all bounds.
-  std::optional<Vec3> force_at(const Contact& law, Vec3 s) {
+  /// The touch of the free node at `s` from the ridge's end, that moves down at 1 m/s; empty where there is none.
+  std::optional<ContactTouch> touch_at(const Contact& law, Vec3 s) {
     for (int d = 0; d < 3; ++d) position[24 + d] = ridge[d] + s[d];
     velocity[26] = -1.0;
-    force.fill(0);
     ContactView view;
-    view.dt = 1e-3;
+    view.dt = view.kick_dt = 1e-3;
     view.n_nodes = 7;
     view.node_id = node_id.data();
     view.position = position.data();
@@ -63,21 +61,24 @@ struct Roof {
     view.candidate_rows = &candidates;
     view.around_rows = &around;
     view.candidate = view.around = candidate.data();
-    const ForceScale scale{1e-9, 1e9};
-    ContactForces forces(force.data(), scale);
-    law.add_forces(view, forces);
-    if (forces.overflow_node() >= 0) return std::nullopt;
-    return Vec3{force[24] * 1e-9, force[25] * 1e-9, force[26] * 1e-9};
+    ContactTouches touches;
+    law.find_touches(view, touches);
+    longest_step = touches.longest_step();
+    n_let_go = touches.all_let_go().size();
+    if (touches.touches().empty()) return std::nullopt;
+    return touches.touches().front();
   }
+  double longest_step = 0.0;  // that the law allowed last [s]
+  std::size_t n_let_go = 0;
 };
 
 TEST(ErodingSurface, PushesANodeBelowARidgeUp) {
-  const auto law = make_law<Contact>("contact", "eroding_surface", "{damping: 0, stability: 1}");
+  const auto law = make_law<Contact>("contact", "eroding_surface");
   Roof roof;
-  const auto force = roof.force_at(*law, {0.0, 0.5, -0.1});
-  ASSERT_TRUE(force);
-  EXPECT_GT((*force)[2], 0.0);
-  EXPECT_NEAR((*force)[1], 0.0, 1e-6);
+  const auto touch = roof.touch_at(*law, {0.0, 0.5, -0.1});
+  ASSERT_TRUE(touch);
+  EXPECT_GT(touch->direction[2], 0.0);
+  EXPECT_NEAR(touch->direction[1], 0.0, 1e-6);
 }
 
 // Off the surface by round-off alone, length and direction of the way out used to be those of different vectors. That
@@ -91,12 +92,13 @@ TEST(ErodingSurface, StaysBoundedForANodeOnTheSurface) {
   for (int i = 0; i < 40000; ++i) {
     const double along = 0.5 + 0.4 * u(random), off = std::pow(10.0, -14.0 - 4.0 * std::fabs(u(random)));
     const double across = i % 2 == 0 ? 0.0 : -along;  // the ridge, or the diagonal through its end
-    const auto force =
-        roof.force_at(*law, {across + off * u(random), along + off * u(random), across - off * std::fabs(u(random))});
-    ASSERT_TRUE(force) << "off by " << off;
-    // Dashpot on at most the node's mass at 1 m/s, with a stiffness bounded by 0.4 m/dt2: 2 * 0.2 * sqrt(0.4) / 1e-3.
-    ASSERT_LT(norm(*force), 260.0);
-    pushed += norm(*force) > 0.0;
+    const auto touch =
+        roof.touch_at(*law, {across + off * u(random), along + off * u(random), across - off * std::fabs(u(random))});
+    if (!touch) continue;
+    // Round-off of positions of about 1 is 1e-16; `off` reaches up to 1e-14, the way back to the ridge a little more.
+    ASSERT_LT(touch->depth, 1e-13);
+    ASSERT_NEAR(norm(touch->direction), 1.0, 1e-12) << "off by " << off;
+    ++pushed;
   }
   EXPECT_GT(pushed, 5000);
 }
@@ -106,19 +108,19 @@ TEST(ErodingSurface, DoesNotCareForFacetsBeyondTheirReach) {
   const auto law = make_law<Contact>("contact", "eroding_surface", "{damping: 0}");
   Roof roof;
   // A long facet that ends in a short one, which goes straight down. Both hold the closest point, on their edge; the
-  // node is within the reach of the long one, 0.6 of 4, and beyond that of the short one, 0.6 of 1.
+  // node is within the reach of the long one, 0.75 of 4, and beyond that of the short one, 0.75 of 1.
   const Vec3 corner[6] = {{-4, -0.5, 0}, {-4, 0.5, 0}, {0, -0.5, 0}, {0, 0.5, 0}, {0, -0.5, -1}, {0, 0.5, -1}};
   for (int n = 0; n < 6; ++n)
     for (int d = 0; d < 3; ++d) roof.position[4 * n + d] = Roof::ridge[d] + corner[n][d];
   roof.volume = {16, 1};
   roof.edge = {4, 1};
   const Vec3 node{0.8, 0.0, -0.3};
-  const auto with_both = roof.force_at(*law, node);
+  const auto with_both = roof.touch_at(*law, node);
   roof.candidates.end = 1;  // of two candidates
-  const auto with_one = roof.force_at(*law, node);
+  const auto with_one = roof.touch_at(*law, node);
   ASSERT_TRUE(with_both && with_one);
-  for (int d = 0; d < 3; ++d) EXPECT_EQ((*with_both)[d], (*with_one)[d]);
-  EXPECT_GT(norm(*with_one), 0.0);
+  for (int d = 0; d < 3; ++d) EXPECT_EQ(with_both->direction[d], with_one->direction[d]);
+  EXPECT_EQ(with_both->depth, with_one->depth);
 }
 
 // The least of V/A, longest edge now and longest edge once, whatever the facet has become.
@@ -140,9 +142,8 @@ TEST(ErodingSurface, LetsGoOfWhatIsDeeperThanTheFacetWasLarge) {
     roof.edge[0] = c.edge;
     for (const bool shallow : {true, false}) {
       const double depth = 0.6 * c.least * (shallow ? 0.99 : 1.01);
-      const auto force = roof.force_at(*law, {-1.7, 0.1 * w, -depth});
-      ASSERT_TRUE(force);
-      EXPECT_EQ(norm(*force) > 0.0, shallow) << c.width << " wide, volume " << c.volume << ", depth " << depth;
+      const bool touches = roof.touch_at(*law, {-1.7, 0.1 * w, -depth}).has_value();
+      EXPECT_EQ(touches, shallow) << c.width << " wide, volume " << c.volume << ", depth " << depth;
     }
   }
 }

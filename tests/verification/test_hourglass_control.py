@@ -66,6 +66,7 @@ def test_viscous_control_is_stable_in_a_soft_block_under_a_punch(kerf):
     run = kerf(
         {
             "title": "gelatine under a steel punch",
+            "checks": {"let_go": 1},  # folded cells lose some nodes of the punch; this test is about their control
             "time": {"end": 200e-6},
             "materials": {
                 "gelatine": {

@@ -12,6 +12,7 @@
 
 #include "dynamics/candidate_search.hpp"
 #include "dynamics/erosion.hpp"
+#include "dynamics/contact_impacts.hpp"
 #include "kerf/contact.hpp"
 #include "parallel/scene.hpp"
 
@@ -279,7 +280,7 @@ void contact_forces(benchmark::State& state) {
     velocity.insert(velocity.end(), &nodes.velocity[4 * n], &nodes.velocity[4 * n] + 4);
   }
   ContactView v;
-  v.dt = TwoSlabs::dt;
+  v.dt = v.kick_dt = TwoSlabs::dt;
   v.n_nodes = static_cast<int>(found.node_id.size());
   v.node_id = found.node_id.data();
   v.position = position.data();
@@ -300,15 +301,20 @@ void contact_forces(benchmark::State& state) {
   v.around_rows = found.around_rows.data();
   v.around = found.around.data();
 
-  std::vector<std::int64_t> force(position.size());
-  std::int64_t n_pushed = 0;
+  std::vector<std::int64_t> force(position.size()), shares(mass.size());
+  std::size_t n_pushed = 0;
   for (auto _ : state) {
     state.PauseTiming();
     std::fill(force.begin(), force.end(), 0);
-    ContactForces forces(force.data(), slabs.model().quanta.force);
+    std::fill(shares.begin(), shares.end(), 0);
     state.ResumeTiming();
-    slabs.law().add_forces(v, forces);
-    n_pushed = forces.n_pairs();
+    ContactTouches touches;
+    slabs.law().find_touches(v, touches);
+    const MassSplit split{shares.data(), slabs.model().quanta.mass};
+    add_shares(v, touches, split);
+    ContactForces forces(force.data(), nullptr, slabs.model().quanta.force);
+    Impacts(v, touches, slabs.law().response(), split).add_round(velocity.data(), true, forces);
+    n_pushed = touches.touches().size();
     if (forces.overflow_node() >= 0) state.SkipWithError("a contact force is beyond all bounds");
   }
   state.SetItemsProcessed(state.iterations() * v.n_slaves);
