@@ -187,7 +187,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   let_go_counts.insert(let_go_counts.end(), let_go.by_part.begin(), let_go.by_part.end());
   file.write_attribute("let_go", let_go_counts);
   file.write_attribute("contact",
-                       std::vector<double>{simulation.ledger().most_taken, let_go.deepest, let_go.first_time});
+                       std::vector<double>{let_go.deepest, let_go.first_time});
   write_nodes(file, simulation);
   write_elements(file, model);
   file.finish();
@@ -218,15 +218,14 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   assemble(model, read_bundle(file, model, p));
   simulation.ledger().accounts = model.rank() == 0 ? accounts_from(file.integers("accounts")) : Accounts{};
   const auto taken = file.reals("contact");
-  simulation.ledger().most_taken = taken.at(0);
   simulation.ledger().let_go = {};
   if (model.rank() == 0) {
     const auto counts = file.integers("let_go");
     simulation.ledger().let_go = {.nodes = counts.at(0),
                                   .mass = counts.at(1),
                                   .by_part = {counts.begin() + 2, counts.end()},
-                                  .deepest = taken.at(1),
-                                  .first_time = taken.at(2)};
+                                  .deepest = taken.at(0),
+                                  .first_time = taken.at(1)};
   }
   simulation.resume(p);
   return {counters.at(4), due.at(0), due.at(1), due.at(2), file.integers("eroded_by")};

@@ -106,8 +106,7 @@ double Ledger::reference(const Balance& b) const {
 
 void Ledger::judge_contact(Balance& b) {
   const double taken = b.contact - b.friction;
-  most_taken = std::max(most_taken, taken);
-  b.given_back = most_taken - taken;
+  b.given_back = std::max(0.0, -taken);
   b.error += std::copysign(b.given_back / reference(b), b.error);  // never against an error of the other kind
 }
 

@@ -48,7 +48,7 @@ struct Balance {
   double kinetic = 0.0, internal = 0.0, hourglass = 0.0, bulk_viscosity = 0.0, contact = 0.0, external = 0.0,
          eroded = 0.0;  // [J]
   double friction = 0.0;  // the share of friction in contact [J]
-  double given_back = 0.0;  // by contact, without friction, of what it had taken before [J]
+  double given_back = 0.0;  // by contact, without friction, more than it has taken [J]
   Vec3 momentum, impulse, dropped_momentum;  // [kg m/s]
   double live_mass = 0.0, free_mass = 0.0, dropped_mass = 0.0;  // [kg]
   std::int64_t eroded_elements = 0;
@@ -65,7 +65,6 @@ class Ledger {
 
   Accounts accounts;
   LetGo let_go;  // by this rank
-  double most_taken = 0.0;  // by contact, without friction, at any sample so far [J]
   double initial_energy = 0.0, initial_mass = 0.0;
   Vec3 initial_momentum;
   double smallest_reference = 1e-300;  // of the balance error [J]
@@ -75,7 +74,7 @@ class Ledger {
   std::int64_t momentum_quanta(double v) const;
   /// Completes a balance from the terms that are sums over elements and accounts. Collective.
   void close(const Model& model, Balance& balance) const;
-  /// Contact stores nothing: what it gives to the nodes, less than it had taken, counts as an error of the balance.
+  /// Contact stores nothing: what it gives to the nodes beyond what it has taken counts as an error of the balance.
   void judge_contact(Balance& balance);
 
  private:

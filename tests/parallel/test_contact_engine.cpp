@@ -168,7 +168,8 @@ TEST(ContactEngine, misses_no_pair_while_boxes_are_kept_and_renewed) {
   for (std::uint64_t seed = 10; seed < 13; ++seed) {
     const auto counts =
         expect_brute_forces("{type: eroding_surface, search_interval: 3}", seed, seed % 2 == 0, 0, Mood::calm);
-    EXPECT_GT(counts.renewals, 2 * counts.searches) << "renewals seldom follow each other";
+    // On five ranks slaves leave their ranks' boxes of space sooner, which takes a search.
+    EXPECT_GT(counts.renewals, counts.searches) << "renewals seldom follow each other";
     EXPECT_GT(counts.refreshes, 0);
   }
   const auto counts = expect_brute_forces("{type: slide_surface, slave: upper, master: lower, search_interval: 3}", 13,

@@ -66,7 +66,6 @@ def test_viscous_control_is_stable_in_a_soft_block_under_a_punch(kerf):
     run = kerf(
         {
             "title": "gelatine under a steel punch",
-            "checks": {"let_go": 1},  # folded cells lose some nodes of the punch; this test is about their control
             "time": {"end": 200e-6},
             "materials": {
                 "gelatine": {
@@ -109,7 +108,8 @@ def test_viscous_control_is_stable_in_a_soft_block_under_a_punch(kerf):
             },
             "boundaries": [{**FLOOR, "point": [0, 0, -0.02]}],
             "contacts": [{"type": "eroding_surface"}],
-            "checks": {"energy_growth": 1.0},
+            # Flattened cells let go of some nodes of the punch; this test is about the control of their hourglass modes.
+            "checks": {"energy_growth": 1.0, "let_go": 1.0},
             "output": {"history_interval": 0.5e-6},
         }
     )
