@@ -19,7 +19,7 @@ struct Summary {
     /// (all energies at the end, eroded included, minus initial minus external work) / max(initial, external).
     double balance_error = 0.0;  // [-]
     double friction = 0.0;  // the share of friction in contact; the rest is lost in impacts
-    double contact_given_back = 0.0;  // by contact, without friction, of what it had taken before
+    double contact_given_back = 0.0;  // by contact, without friction, beyond all that it has taken
   };
   /// Nodes that contact has let go of: they came to lie too deep inside a body.
   struct ContactLetGo {
