@@ -449,7 +449,7 @@ double ContactEngine::dt_ahead() const { return prediction_ ? prediction_->step(
 
 void ContactEngine::pull(const Model& model) {
   const auto predict = [&](std::int32_t node, double* position, double* velocity) {
-    const Vec3 x = predicted_x(model, node), v = predicted_v(model, node);
+    const Vec3 v = predicted_v(model, node), x = model.nodes.x(node) + v * dt_ahead();
     for (int d = 0; d < 3; ++d) {
       position[d] = x[d];
       velocity[d] = v[d];

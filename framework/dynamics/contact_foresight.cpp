@@ -109,7 +109,8 @@ void ContactEngine::choose_references(const Model& model, const std::vector<std:
 /// Foresees where a node may be until the next search or renewal.
 void ContactEngine::foresee(const Model& model, std::size_t tracked, double time, unsigned boxes) {
   Tracked& t = tracked_[tracked];
-  const Vec3 x = predicted_x(model, t.node), v = predicted_v(model, t.node), own = part_velocities_[t.part];
+  const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node) + v * dt_ahead();
+  const Vec3 own = part_velocities_[t.part];
   const Foresight from{time - search_time_, std::max(horizon_ - time, 0.0), farthest * slack_};
   const double margin = slack_ + std::min(unsteady * norm(v - own) * from.ahead, from.farthest_way);
   if ((boxes & in_common_frame) != 0) t.box = from.whereabouts(x, v, drift_velocity_, margin);
@@ -171,7 +172,7 @@ void ContactEngine::find_outgrown(const Model& model, const Step& step) {
   const Foresight from{now - search_time_, std::max(horizon_ - now, 0.0), farthest * slack_};
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     const Tracked& t = tracked_[k];
-    const Vec3 x = predicted_x(model, t.node), v = predicted_v(model, t.node);
+    const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node) + v * dt_ahead();
     const double margin = kept_margin * slack_;
     unsigned outgrown = 0;
     if (!t.box.contains(from.whereabouts(x, v, drift_velocity_, margin))) outgrown |= in_common_frame;

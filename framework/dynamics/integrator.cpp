@@ -91,15 +91,26 @@ std::vector<HalfSpace> Integrator::regions(const Model& model, const Step& step)
 Prediction::Prediction(const Integrator& integrator, const Model& model, const Step& next)
     : integrator_(integrator), model_(model), next_(next), planes_(Integrator::regions(model, next)) {}
 
+/// Whether no condition is asked about a flight: most nodes are far from the regions of all that are not always asked.
+bool Prediction::is_free(int i, Vec3 v) const {
+  if (integrator_.always_.empty()) return true;
+  if (integrator_.always_[i] != 0) return false;
+  if (integrator_.near_[i] == 0) return true;
+  const Vec3 to = model_.nodes.x(i) + v * next_.dt;
+  for (std::size_t b = 0; b < planes_.size(); ++b)
+    if ((integrator_.near_[i] >> b & 1u) != 0 && dot(planes_[b].normal, to) < planes_[b].offset) return false;
+  return true;
+}
+
 Vec3 Prediction::velocity(int i) const {
   const Vec3 v = kicked(model_.nodes, i, model_.quanta.force.quantum, next_.kick_dt());
-  if (integrator_.always_.empty() || (integrator_.always_[i] | integrator_.near_[i]) == 0) return v;
+  if (is_free(i, v)) return v;
   return integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), v);
 }
 
 unsigned Prediction::held_axes(int i) const {
-  if (integrator_.always_.empty() || (integrator_.always_[i] | integrator_.near_[i]) == 0) return 0;
   const Vec3 v = kicked(model_.nodes, i, model_.quanta.force.quantum, next_.kick_dt());
+  if (is_free(i, v)) return 0;
   const auto constrained = [&](Vec3 velocity) {
     return integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), velocity);
   };

@@ -38,6 +38,8 @@ class Prediction {
   const Step& step() const { return next_; }
 
  private:
+  bool is_free(int node, Vec3 velocity) const;
+
   const Integrator& integrator_;
   const Model& model_;
   Step next_;
