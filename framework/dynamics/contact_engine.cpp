@@ -61,9 +61,11 @@ void ContactEngine::measure_reach(const Model& model) {
 void ContactEngine::measure_speeds(const Model& model) {
   speeds_ = {};
   speeds_.longest_step = touches_.longest_step();
+  const bool first = prediction_ && !(prediction_->step().last_dt > 0.0);
   for (const Tracked& t : tracked_) {
     if (!(model.nodes.mass[t.node] > 0.0)) continue;
-    const double* v = &model.nodes.velocity[4 * static_cast<std::size_t>(t.node)];
+    // Before the first step, pressures have not set anything in motion yet.
+    const Vec3 v = first ? predicted_v(model, t.node) : model.nodes.v(t.node);
     for (int d = 0; d < 3; ++d) {
       speeds_.most[d] = std::max(speeds_.most[d], -v[d]);
       speeds_.most[3 + d] = std::max(speeds_.most[3 + d], v[d]);

@@ -276,13 +276,13 @@ std::vector<Found> compare(const Model& model, const Cubes& cubes, const std::ve
 
 }  // namespace
 
-std::string Overlap::sentence(const Model& model) const {
+std::string Overlap::sentence(const Model& model, const char* when) const {
   const Vec3 middle = (low + high) * 0.5, size = high - low;
   return fmt::format(
-      "parts {} and {} overlap at the start: they share {:.4g} m3 in a box of {:.4g} x {:.4g} x {:.4g} m round "
+      "parts {} and {} overlap {}: they share {:.4g} m3 in a box of {:.4g} x {:.4g} x {:.4g} m round "
       "({:.5g}, {:.5g}, {:.5g}) m",
       model.parts[static_cast<std::size_t>(first)].input->name,
-      model.parts[static_cast<std::size_t>(second)].input->name, volume, size.x, size.y, size.z, middle.x, middle.y,
+      model.parts[static_cast<std::size_t>(second)].input->name, when, volume, size.x, size.y, size.z, middle.x, middle.y,
       middle.z);
 }
 

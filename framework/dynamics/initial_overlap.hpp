@@ -1,4 +1,4 @@
-// Finds parts that overlap at the start: any two cells of different parts that share volume, however deep they lie.
+// Finds parts that overlap at the start, or at the end: any two cells of different parts that share volume, however deep they lie.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct Overlap {
   Vec3 low, high;  // corners of the box round what they share [m]
 
   /// "parts a and b overlap at the start: ...", without advice.
-  std::string sentence(const Model& model) const;
+  std::string sentence(const Model& model, const char* when = "at the start") const;
 };
 
 /// All parts that overlap by more than a millionth of a cell, in the order of the input; the same on any number of

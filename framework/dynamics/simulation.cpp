@@ -22,6 +22,7 @@ namespace {
 
 enum Flag : std::int64_t { flag_trouble = 1, flag_failed = 2, flag_signal = 4 };
 
+constexpr double overlap_at_end = 0.1;  // cells that parts in contact may share
 constexpr double unseen = 0.6;  // of its least reach, that contact lets anything travel in a step
 
 volatile std::sig_atomic_t signal_seen = 0;
@@ -130,6 +131,34 @@ void Simulation::refuse_bad_start(const ContactCover& cover) {
     if (!reported[k])
       for (std::string& line : contacts_[k]->initial_penetrations(model_)) errors.push_back(std::move(line));
   if (!errors.empty()) throw InputError(errors);
+}
+
+/// The least mean volume of an undeformed cell of two parts [m3].
+double Simulation::lesser_cell(int first, int second) const {
+  double least = std::numeric_limits<double>::max();
+  for (const int p : {first, second}) {
+    const PartModel& part = model_.parts[static_cast<std::size_t>(p)];
+    least =
+        std::min(least, part.initial_mass / part.material->density / static_cast<double>(std::max(part.n_elements,
+                                                                                             std::int64_t{1})));
+  }
+  return least;
+}
+
+std::vector<std::string> Simulation::judge_end() {
+  std::vector<std::string> lines;
+  const ContactCover cover(model_);
+  for (const Overlap& o : find_overlaps(model_)) {
+    const int contact = cover.between(o.first, o.second);
+    const double cells = o.volume / lesser_cell(o.first, o.second);
+    if (contact < 0 || !(cells > overlap_at_end)) continue;
+    lines.push_back(fmt::format("{}: warning: {}, {:.3g} cells: contact did not keep them apart, do not trust the result; "
+                                "use cells of like size where bodies meet, or a smaller time.safety_factor",
+                                input_.contacts[static_cast<std::size_t>(contact)]->origin,
+                                o.sentence(model_, "at the end"), cells));
+  }
+  warnings_.insert(warnings_.end(), lines.begin(), lines.end());
+  return lines;
 }
 
 void Simulation::renumbered() {

@@ -73,6 +73,9 @@ class Simulation {
   double first_stable_step() const { return first_stable_; }
   /// What a user should look at before the run, as lines "origin: warning: what; what to do"; the same on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Warns of bodies that contact should have kept apart and that share volume now. Returns the new warnings, which
+  /// join the others. Collective.
+  std::vector<std::string> judge_end();
   /// Pairs of parts that overlap at the start without a contact between them.
   int n_overlaps() const { return n_overlaps_; }
 
@@ -94,6 +97,7 @@ class Simulation {
   void renumbered();
   void rebalance(const Step& step);
   void add_forces(const Step& step);
+  double lesser_cell(int first, int second) const;
   void start_contact(const ElementReport& report);
   void add_contact_forces(const Step& step);
   void reduce(const Step& step, ElementReport report);
