@@ -571,7 +571,7 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   pushed_velocity_ = velocity_;
   for (int round = 0; round < Impacts::rounds; ++round) {
     if (round > 0) push_velocities(model);
-    impacts.add_round(pushed_velocity_.data(), round + 1 == Impacts::rounds, forces);
+    impacts.add_round(pushed_velocity_.data(), forces);
   }
   if (forces.overflow_node() >= 0)
     trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",

@@ -108,18 +108,14 @@ Vec3 Impacts::friction(const Impact& impact, const ContactTouch& touch, Vec3 sli
   return size > most ? grip * (most / size) : grip;
 }
 
-void Impacts::add_round(const double* velocity, bool last, ContactForces& forces) {
-  const double next_weight = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * weight_ * weight_));
-  const double momentum = last ? 0.0 : (weight_ - 1.0) / next_weight;
-  weight_ = next_weight;
+void Impacts::add_round(const double* velocity, ContactForces& forces) {
   for (Impact& i : impacts_) {
     const ContactTouch& t = *i.touch;
     const Vec3 v = relative_velocity(view_, t, velocity);
-    const double closing = -dot(v, t.direction), before = i.push, tried = i.tried;
-    i.push = max_of(i.tried + i.mass * (closing - i.wanted), 0.0);
-    i.tried = i.push + momentum * (i.push - before);
+    const double closing = -dot(v, t.direction), before = i.push;
+    i.push = max_of(i.push + i.mass * (closing - i.wanted), 0.0);
     const double per_impulse = 1.0 / view_.kick_dt;
-    forces.add(t.node, corners_of(view_, t), t.weights, t.direction * ((i.tried - tried) * per_impulse));
+    forces.add(t.node, corners_of(view_, t), t.weights, t.direction * ((i.push - before) * per_impulse));
     if (!(response_.friction > 0.0)) continue;
     const Vec3 grip = friction(i, t, v + t.direction * closing);
     forces.add_friction(t.node, corners_of(view_, t), t.weights, (grip - i.grip) * per_impulse);

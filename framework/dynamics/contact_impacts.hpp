@@ -51,22 +51,22 @@ struct MassSplit {
 void add_shares(const ContactView& view, const ContactTouches& touches, const MassSplit& split);
 
 /// The impacts of all touches of this rank. Since they are computed side by side, one round leaves some of the closing
-/// speed where touches share nodes; further rounds take that away: a projected gradient iteration with Nesterov's
-/// momentum (H. Mazhar, T. Heyn, D. Negrut & A. Tasora, ACM Trans. Graph. 34 (2015) 32).
+/// speed where touches share nodes; further rounds take that away (projected Jacobi iteration).
+/// Momentum between rounds would make fewer of them do, but its overshoots make mismatched meshes buckle.
 class Impacts {
  public:
-  static constexpr int rounds = 5;  // in a step
+  static constexpr int rounds = 8;  // in a step
   /// `split` has the shares of the touches of all ranks. The view must outlive this.
   Impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
           const MassSplit& split);
   /// Adds the forces of one more round, given the velocities that the forces of all rounds so far lead to.
-  void add_round(const double* velocity, bool last, ContactForces& forces);
+  void add_round(const double* velocity, ContactForces& forces);
 
  private:
   struct Impact {
     const ContactTouch* touch = nullptr;
     double mass = 0.0, wanted = 0.0;  // that moves [kg]; closing speed that is left [m/s]
-    double push = 0.0, tried = 0.0;  // after the last round; what the next one starts from [N s]
+    double push = 0.0;  // so far [N s]
     Vec3 grip = {};  // of friction, so far [N s]
   };
   Vec3 friction(const Impact& impact, const ContactTouch& touch, Vec3 sliding) const;
@@ -75,7 +75,6 @@ class Impacts {
   ContactResponse response_;
   MassSplit split_;
   std::vector<Impact> impacts_;
-  double weight_ = 1.0;  // Nesterov's
 };
 
 }  // namespace kerf

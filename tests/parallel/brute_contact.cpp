@@ -209,7 +209,7 @@ std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Q
       if (i % 4 < 3 && mass_[i / 4] > 0.0)
         velocity[i] =
             velocity_[i] + static_cast<double>(force[i]) * (quanta.force.quantum * kick_dt_ / mass_[i / 4]);
-    impacts.add_round(velocity.data(), round + 1 == Impacts::rounds, sink);
+    impacts.add_round(velocity.data(), sink);
   }
   std::map<std::int64_t, std::array<std::int64_t, 3>> result;
   for (std::size_t n = 0; n < node_id_.size(); ++n)

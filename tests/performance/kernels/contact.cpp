@@ -313,7 +313,7 @@ void contact_forces(benchmark::State& state) {
     const MassSplit split{shares.data(), slabs.model().quanta.mass};
     add_shares(v, touches, split);
     ContactForces forces(force.data(), nullptr, slabs.model().quanta.force);
-    Impacts(v, touches, slabs.law().response(), split).add_round(velocity.data(), true, forces);
+    Impacts(v, touches, slabs.law().response(), split).add_round(velocity.data(), forces);
     n_pushed = touches.touches().size();
     if (forces.overflow_node() >= 0) state.SkipWithError("a contact force is beyond all bounds");
   }
