@@ -275,7 +275,9 @@ void Reporter::finish(const std::string& exit) {
     erosion_log_->close();
     results_.reset();  // makes room for what measures need
   }
-  const std::vector<std::string> doubts = simulation_.judge_end();
+  // A run that was stopped says what is wrong already.
+  std::vector<std::string> doubts;
+  if (exit == "completed") doubts = simulation_.judge_end();
   if (root())
     for (const std::string& line : doubts) fmt::print(stderr, "{}\n", line);
   const Summary summary = summarise(exit);
