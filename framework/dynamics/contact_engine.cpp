@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "core/assert.hpp"
 #include "dynamics/element_loop.hpp"
@@ -265,9 +266,10 @@ double ContactEngine::extent_of(const Model& model, const std::vector<ContactNod
 double ContactEngine::reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
   double reach = 0.0;
   for (const ContactNodeRecord& s : slaves)
-    for (int d = 0; d < 3; ++d)
-      for (const Box* box : {&s.box, &s.own_box})
-        reach = std::max({reach, box->high[d] - s.home[d], s.home[d] - box->low[d]});
+    for (const auto& [box, frame] : {std::pair(&s.box, &common_frame_), std::pair(&s.own_box, &part_frames_[s.part])}) {
+      const Vec3 home = s.home - frame->origin;
+      for (int d = 0; d < 3; ++d) reach = std::max({reach, box->high[d] - home[d], home[d] - box->low[d]});
+    }
   return greatest(model.comm, std::min(reach, beyond));
 }
 
@@ -280,10 +282,13 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
   std::vector<std::vector<ContactFacetRecord>> facets_out(n_ranks);
   std::vector<int> ranks;
   for (const ContactFacetRecord& f : facets) {
-    Box box = f.box;
-    box.include(f.own_box);
-    box.inflate(slave_reach_);
-    space_->owners({box.low[0], box.low[1], box.low[2]}, {box.high[0], box.high[1], box.high[2]}, ranks);
+    Vec3 low, high;
+    for (int d = 0; d < 3; ++d) {
+      const double common = common_frame_.origin[d], own = part_frames_[f.part].origin[d];
+      low[d] = std::min(common + f.box.low[d], own + f.own_box.low[d]) - slave_reach_;
+      high[d] = std::max(common + f.box.high[d], own + f.own_box.high[d]) + slave_reach_;
+    }
+    space_->owners(low, high, ranks);
     for (const int r : ranks) facets_out[r].push_back(f);
   }
   slaves.clear();
@@ -329,7 +334,7 @@ void ContactEngine::search(Model& model, const Step& step) {
   std::vector<ExteriorFacet> exterior = model.surface.exterior(model);
   drop_mirrored(model, exterior);
   const std::vector<std::int32_t> surface = surface_nodes(model, exterior);
-  choose_references(model, surface);
+  choose_frames(model, surface);
   slack_ = 0.002 * model.dummy_edge;  // about 3 % of the longest edge
   ++counts_.searches;
   last_search_ = last_renewal_ = step.cycle;
@@ -437,6 +442,12 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
   }
   search_->change(dead, facets, slaves);
   connect(model, false);
+}
+
+std::size_t ContactEngine::n_candidates() const {
+  std::size_t n = 0;
+  for (const ContactRow& row : found_->candidates) n += static_cast<std::size_t>(row.end - row.begin);
+  return n;
 }
 
 Vec3 ContactEngine::predicted_v(const Model& model, int node) const {

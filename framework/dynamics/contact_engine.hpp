@@ -61,6 +61,8 @@ class ContactEngine {
   double least_reach() const { return least_reach_; }
   /// Forces of the last call on nodes that this rank owns.
   const ContactLoad& load() const { return load_; }
+  /// Pairs of nodes and facets that this rank's law has to look at in a step.
+  std::size_t n_candidates() const;
   /// How often candidates were looked for, the same on all ranks.
   struct Counts {
     std::int64_t searches = 0, renewals = 0, refreshes = 0;
@@ -94,7 +96,7 @@ class ContactEngine {
   void foresee(const Model& model, std::size_t tracked, double time, unsigned boxes = in_common_frame | in_own_frame);
   bool track(const Model& model, int node, double time);
   bool takes_free(const Model& model, int node) const;
-  void choose_references(const Model& model, const std::vector<std::int32_t>& surface);
+  void choose_frames(const Model& model, const std::vector<std::int32_t>& surface);
   void add_slave(const Model& model, std::size_t tracked, std::vector<ContactNodeRecord>& records) const;
   double longest_edge(const std::int32_t* corners) const;
   bool collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& record) const;
@@ -129,14 +131,14 @@ class ContactEngine {
   std::vector<std::int64_t> n_candidates_;  // per local node that this rank owns, at the last search; or empty
   bool space_built_ = false, valid_ = false;
   std::int64_t last_search_ = 0, last_renewal_ = 0;  // cycles
-  Vec3 drift_velocity_;  // of the part that has most of the surface [m/s]
-  std::vector<Vec3> part_velocities_;  // the same of each part's [m/s]
+  ContactFrame common_frame_;  // of the part that has most of the surface
+  std::vector<ContactFrame> part_frames_;
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
   // Of the tracked nodes, seen from the frames of their parts; apart, because few parts have one of their own to look
   // at in every cycle.
   std::vector<Box> own_boxes_;
-  std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank
+  std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank [m]
   std::vector<Vec3> undeformed_;  // positions of the tracked nodes [m]
   std::vector<Stray> strays_;
   Counts counts_;

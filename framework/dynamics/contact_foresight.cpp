@@ -57,9 +57,9 @@ struct Foresight {
   double farthest_way;  // [m]
 
   /// The box of a node that is at a position at that time and may change its velocity somewhat, seen from a frame.
-  Box whereabouts(Vec3 position, Vec3 velocity, Vec3 frame, double margin) const {
-    const Vec3 here = position - frame * since_search;
-    Vec3 way = (velocity - frame) * ahead;  // steps may have grown
+  Box whereabouts(Vec3 position, Vec3 velocity, const ContactFrame& frame, double margin) const {
+    const Vec3 here = position - frame.at(since_search);
+    Vec3 way = (velocity - frame.velocity) * ahead;  // steps may have grown
     // Bounded: one racing node must not make boxes that hold the whole model. It will call for a search sooner.
     const double square = dot(way, way);
     if (square > farthest_way * farthest_way) [[unlikely]]
@@ -70,50 +70,57 @@ struct Foresight {
 
 }  // namespace
 
-/// Velocity that most of the exterior nodes of each part have: the mean of those that differ little from it. The part
-/// with the most nodes, which rests as a rule, gives the common frame. Only the size of the boxes depends on it, and
-/// how long they can be kept. Collective.
-void ContactEngine::choose_references(const Model& model, const std::vector<std::int32_t>& surface) {
+/// The frames that most of the exterior nodes of each part are at rest in: mean position and velocity of those whose
+/// velocities differ little. The part with the most nodes, which mostly rests, gives the common frame, also to parts
+/// that move like it. Only the size of the boxes depends on it, and how long they can be kept. Collective.
+void ContactEngine::choose_frames(const Model& model, const std::vector<std::int32_t>& surface) {
   constexpr int n_rounds = 4;
   constexpr double floor = 1e-6;  // of its own square, that a mean's uncertainty is not taken to be less than
-  part_velocities_.assign(model.parts.size(), {});
-  std::vector<double> within(model.parts.size(), 1e300);  // square of the difference up to which nodes count [m2/s2]
+  constexpr std::size_t n_sums = 8;
+  part_frames_.assign(model.parts.size(), {});
+  constexpr double unknown = 1e300;  // of parts without elements
+  std::vector<double> within(model.parts.size(), unknown);  // square of the difference up to which nodes count [m2/s2]
   std::size_t largest = 0;
   for (int round = 0; round < n_rounds; ++round) {
-    std::vector<double> sums(5 * model.parts.size(), 0.0);  // of differences from the last mean, their squares, nodes
+    // Of differences from the last mean velocity, their squares, nodes, positions.
+    std::vector<double> sums(n_sums * model.parts.size(), 0.0);
     for (const std::int32_t i : surface) {
       if (!model.nodes.owned[i] || model.nodes.free[i]) continue;
       const auto part = static_cast<std::size_t>(model.nodes.part[i]);
-      const Vec3 d = model.nodes.v(i) - part_velocities_[part];
+      const Vec3 d = model.nodes.v(i) - part_frames_[part].velocity, x = model.nodes.x(i);
       if (dot(d, d) > within[part]) continue;
-      const double terms[5] = {d.x, d.y, d.z, dot(d, d), 1.0};
-      for (int k = 0; k < 5; ++k) sums[5 * part + k] += terms[k];
+      const double terms[n_sums] = {d.x, d.y, d.z, dot(d, d), 1.0, x.x, x.y, x.z};
+      for (std::size_t k = 0; k < n_sums; ++k) sums[n_sums * part + k] += terms[k];
     }
     // On rank 0 and back, because all ranks must use the same bits.
     std::vector<double> totals(sums.size());
     MPI_Reduce(sums.data(), totals.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, 0, model.comm);
     MPI_Bcast(totals.data(), static_cast<int>(totals.size()), MPI_DOUBLE, 0, model.comm);
     for (std::size_t p = 0; p < model.parts.size(); ++p) {
-      const double* total = &totals[5 * p];
-      if (round == 0 && total[4] > totals[5 * largest + 4]) largest = p;
+      const double* total = &totals[n_sums * p];
+      if (round == 0 && total[4] > totals[n_sums * largest + 4]) largest = p;
       if (!(total[4] > 0.0)) continue;
+      ContactFrame& frame = part_frames_[p];
       const Vec3 shift = Vec3{total[0], total[1], total[2]} * (1.0 / total[4]);
-      part_velocities_[p] = part_velocities_[p] + shift;
-      within[p] =
-          std::max(total[3] / total[4] - dot(shift, shift), floor * dot(part_velocities_[p], part_velocities_[p]));
+      frame.velocity = frame.velocity + shift;
+      frame.origin = Vec3{total[5], total[6], total[7]} * (1.0 / total[4]);
+      within[p] = std::max(total[3] / total[4] - dot(shift, shift), floor * dot(frame.velocity, frame.velocity));
     }
   }
-  drift_velocity_ = part_velocities_.empty() ? Vec3{} : part_velocities_[largest];
+  common_frame_ = part_frames_.empty() ? ContactFrame{} : part_frames_[largest];
+  const std::vector<char> has_own = parts_with_own_frame();
+  for (std::size_t p = 0; p < part_frames_.size(); ++p)
+    if (!has_own[p] || within[p] == unknown) part_frames_[p] = common_frame_;
 }
 
 /// Foresees where a node may be until the next search or renewal.
 void ContactEngine::foresee(const Model& model, std::size_t tracked, double time, unsigned boxes) {
   Tracked& t = tracked_[tracked];
   const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node) + v * dt_ahead();
-  const Vec3 own = part_velocities_[t.part];
+  const ContactFrame& own = part_frames_[t.part];
   const Foresight from{time - search_time_, std::max(horizon_ - time, 0.0), farthest * slack_};
-  const double margin = slack_ + std::min(unsteady * norm(v - own) * from.ahead, from.farthest_way);
-  if ((boxes & in_common_frame) != 0) t.box = from.whereabouts(x, v, drift_velocity_, margin);
+  const double margin = slack_ + std::min(unsteady * norm(v - own.velocity) * from.ahead, from.farthest_way);
+  if ((boxes & in_common_frame) != 0) t.box = from.whereabouts(x, v, common_frame_, margin);
   if ((boxes & in_own_frame) != 0) own_boxes_[tracked] = from.whereabouts(x, v, own, margin);
 }
 
@@ -129,7 +136,7 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   foresee(model, tracked_.size() - 1, time);
   // A run that has become unstable must come as far as to the check that says so.
   const Box& box = tracked_.back().box;
-  const Vec3 centre{box.centre(0), box.centre(1), box.centre(2)};
+  const Vec3 centre = common_frame_.origin + Vec3{box.centre(0), box.centre(1), box.centre(2)};
   home_.push_back(norm(centre) < beyond ? centre : Vec3{});
   undeformed_.push_back(reference_position(model, model.nodes.id[node]));
   return true;
@@ -138,7 +145,7 @@ bool ContactEngine::track(const Model& model, int node, double time) {
 /// Per part, whether it moves in another way than the common frame; where it does not, both boxes of its nodes are one.
 std::vector<char> ContactEngine::parts_with_own_frame() const {
   std::vector<char> has_own;
-  for (const Vec3 v : part_velocities_) has_own.push_back(norm(v - drift_velocity_) > 0.0);
+  for (const ContactFrame& f : part_frames_) has_own.push_back(norm(f.velocity - common_frame_.velocity) > 0.0);
   return has_own;
 }
 
@@ -147,9 +154,9 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
   strays_.clear();
   const double since = step.end() + dt_ahead() - search_time_;
   std::vector<FrameOrigin> own;
-  for (const Vec3 v : part_velocities_) own.emplace_back(v * since);
+  for (const ContactFrame& f : part_frames_) own.emplace_back(f.at(since));
   const std::vector<char> has_own = parts_with_own_frame();
-  const FrameOrigin common(drift_velocity_ * since);
+  const FrameOrigin common(common_frame_.at(since));
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     constexpr std::size_t ahead = 16;  // far enough for what is known of a node to arrive
     const Tracked& t = tracked_[k];
@@ -175,9 +182,9 @@ void ContactEngine::find_outgrown(const Model& model, const Step& step) {
     const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node) + v * dt_ahead();
     const double margin = kept_margin * slack_;
     unsigned outgrown = 0;
-    if (!t.box.contains(from.whereabouts(x, v, drift_velocity_, margin))) outgrown |= in_common_frame;
+    if (!t.box.contains(from.whereabouts(x, v, common_frame_, margin))) outgrown |= in_common_frame;
     if (!has_own[t.part] && outgrown != 0) outgrown |= in_own_frame;
-    if (has_own[t.part] && !own_boxes_[k].contains(from.whereabouts(x, v, part_velocities_[t.part], margin)))
+    if (has_own[t.part] && !own_boxes_[k].contains(from.whereabouts(x, v, part_frames_[t.part], margin)))
       outgrown |= in_own_frame;
     if (outgrown != 0) strays_.push_back({static_cast<std::int32_t>(k), outgrown});
   }

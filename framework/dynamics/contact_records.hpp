@@ -1,8 +1,8 @@
 // What ranks tell each other about the contact surface at a search.
 //
-// Boxes hold where something may be until they are renewed. The first is seen from a frame that has moved with the
-// largest part since the search, and counts for pairs of different parts; the second from one that has moved with the
-// node's or facet's own part, and counts for pairs within it.
+// Boxes hold where something may be until they are renewed. The first is seen from a frame that was in the largest part
+// at the search and has moved with it since, and counts for pairs of different parts; the second from one that has
+// moved with the node's or facet's own part, and counts for pairs within it.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,14 @@
 #include "dynamics/box.hpp"
 
 namespace kerf {
+
+/// What boxes are seen from: it stands in the middle of a part's surface at a search and moves on with most of it. So
+/// boxes in single precision are as sharp far from the origin as near to it, and as small however fast the part flies.
+struct ContactFrame {
+  Vec3 origin, velocity;  // at the search [m], [m/s]
+
+  Vec3 at(double since_search) const { return origin + velocity * since_search; }
+};
 
 struct ContactNodeRecord {
   std::int64_t id = 0;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "dynamics/encounters.hpp"
 #include "dynamics/names.hpp"
@@ -191,6 +192,26 @@ void warn_of_swallowing_planes(const Model& model, Lines& lines) {
   }
 }
 
+/// Strains are differences of positions: where these are large numbers, their rounding is strain.
+void warn_of_distance(const Model& model, const Encounters& encounters, Lines& lines) {
+  constexpr double harmless = 1e-6;  // a thousandth of the strain at which soft metals yield
+  const double strain = 0x1p-53 * model.scale.farthest / model.scale.shortest_edge;
+  if (!(strain > harmless)) return;
+  int part = 0;
+  double farthest = 0.0;
+  for (int p = 0; p < static_cast<int>(model.parts.size()); ++p)
+    for (const Vec3 corner : {encounters.parts()[index(p)].low, encounters.parts()[index(p)].high})
+      for (int d = 0; d < 3; ++d) {
+        if (std::fabs(corner[d]) > farthest) part = p;
+        farthest = std::max(farthest, std::fabs(corner[d]));
+      }
+  lines.push_back(warning(
+      input_of(model, part).mesh->origin,
+      fmt::format("part {} lies {:.3g} m from the origin, where positions are rounded by up to {:.2g} of the shortest "
+                  "edge of the mesh, {:.3g} m, which makes strains of that size; move the model to the origin",
+                  input_of(model, part).name, farthest, strain, model.scale.shortest_edge)));
+}
+
 }  // namespace
 
 Lines model_warnings(Model& model, const ContactCover& cover) {
@@ -202,6 +223,7 @@ Lines model_warnings(Model& model, const ContactCover& cover) {
   warn_of_single_layers(model, encounters, lines);
   warn_of_single_cells(model, encounters, lines);
   warn_of_swallowing_planes(model, lines);
+  warn_of_distance(model, encounters, lines);
   return lines;
 }
 

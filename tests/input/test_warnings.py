@@ -28,6 +28,10 @@ CASES = {
                     [("31:5", "part striker is a free body of one cell")]),
     "late contact": ([("origin: 1 1 2.1 mm", "origin: 1 1 4 mm")],
                      [("8:8", "the first contact, of parts target and striker, comes at about 1e-05 s")]),
+    "far from the origin": ([("size: 4 4 2 mm,", "size: 4 4 2 mm, origin: 20000000 0 0 m,"),
+                             ("origin: 1 1 2.1 mm", "origin: 20000000.001 0.001 0.0021 m")],
+                            [("28:5", "part target lies 2e+07 m from the origin, where positions are rounded by up to "
+                                      "2.2e-06 of the shortest edge of the mesh, 0.001 m")]),
     "overlap without contact": ([(CONTACT, ""), ("origin: 1 1 2.1 mm", "origin: 1 1 1.5 mm")],
                                 [("31:5", "parts target and striker overlap at the start: they share 2e-09 m3")]),
 }

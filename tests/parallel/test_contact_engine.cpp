@@ -1,5 +1,6 @@
 // The contact engine against brute force: whatever moves, however fast, whatever dies and wherever it lives, the
 // forces are those of all slaves against all facets, to the last bit.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,8 +16,12 @@ namespace {
 using namespace kerf;
 using namespace kerf::test;
 
-/// Two blocks above one another and a strip that is bent until its ends overlap; limp, so that any motion will do.
-std::string limp_bodies(const std::string& contact, int force_interval) {
+/// Two blocks above one another and a strip that is bent until its ends overlap; limp, so that any motion will do. All
+/// of it `offset` away from the origin along each axis.
+std::string limp_bodies(const std::string& contact, int force_interval, double offset) {
+  const auto moved = [offset](double x, double y, double z) {
+    return fmt::format("[{}, {}, {}]", x + offset, y + offset, z + offset);
+  };
   return R"(
 time: {end: 6e-6, safety_factor: 1}
 materials:
@@ -26,17 +31,24 @@ materials:
     eos: {type: linear, bulk_modulus: 160e9}
     erosion: {criteria: [{type: fuse}]}
 parts:
-  lower: {material: limp, element: {type: limp}, mesh: {type: block, size: [5e-3, 5e-3, 2e-3], cells: [5, 5, 2]}}
+  lower:
+    material: limp
+    element: {type: limp}
+    mesh: {type: block, size: [5e-3, 5e-3, 2e-3], cells: [5, 5, 2]}
+    placement: [{translate: )" +
+         moved(0.0, 0.0, 0.0) + R"(}]
   upper:
     material: limp
     element: {type: limp}
     mesh: {type: block, size: [3e-3, 3e-3, 3e-3], cells: [4, 3, 3]}
-    placement: [{angle: 0.3, translate: [1.2e-3, 0.5e-3, 2.2e-3]}]
+    placement: [{angle: 0.3, translate: )" +
+         moved(1.2e-3, 0.5e-3, 2.2e-3) + R"(}]
   strip:
     material: limp
     element: {type: limp}
     mesh: {type: block, size: [16e-3, 2e-3, 1e-3], cells: [16, 2, 1]}
-    placement: [{translate: [0, 8e-3, 0]}]
+    placement: [{translate: )" +
+         moved(0.0, 8e-3, 0.0) + R"(}]
 balance: {force_interval: )" +
          std::to_string(force_interval) + "}\ncontacts:\n  - " + contact + "\n";
 }
@@ -48,13 +60,14 @@ enum class Mood { wild, calm, stretched };
 /// Moves all copies of all nodes along paths that are functions of node and time alone.
 class Puppeteer final : public StepObserver {
  public:
-  Puppeteer(const Simulation& simulation, std::uint64_t seed, Mood mood)
-      : simulation_(simulation), seed_(seed), mood_(mood) {
+  Puppeteer(const Simulation& simulation, std::uint64_t seed, Mood mood, double offset)
+      : simulation_(simulation), seed_(seed), mood_(mood), offset_{offset, offset, offset} {
     for (std::int64_t id = 0; id < simulation.model().n_nodes; ++id)
-      start_.push_back(reference_position(simulation.model(), id));
+      start_.push_back(reference_position(simulation.model(), id) - offset_);
   }
 
   ForceComparison comparison;
+  std::size_t n_candidates = 0;  // of this rank, added up over the run
 
   void before_forces(Model& model, const Step& step) override {
     for (int i = 0; i < model.nodes.n(); ++i) {
@@ -65,6 +78,7 @@ class Puppeteer final : public StepObserver {
   }
   void after_forces(Model&, const Step& step) override {
     if (step.cycle % 2 == 0) compare_contact_forces(simulation_, step, comparison);
+    n_candidates += simulation_.contacts().front()->n_candidates();
   }
 
  private:
@@ -80,7 +94,7 @@ class Puppeteer final : public StepObserver {
   }
 
   Vec3 path(const Model& model, int i, double time) const {
-    return mood_ == Mood::wild ? wild_path(model, i, time) : calm_path(model, i, time);
+    return offset_ + (mood_ == Mood::wild ? wild_path(model, i, time) : calm_path(model, i, time));
   }
   /// The upper body, pressed into the lower one, glides at 25 m/s; the strip's ends overlap; one node in ten shivers by
   /// fits.
@@ -128,27 +142,33 @@ class Puppeteer final : public StepObserver {
   const Simulation& simulation_;
   std::uint64_t seed_;
   Mood mood_;
+  Vec3 offset_;
   std::vector<Vec3> start_;  // by node id
 };
 
-ContactEngine::Counts expect_brute_forces(const std::string& contact, std::uint64_t seed, bool deaths,
-                                          int force_interval, Mood mood = Mood::wild) {
-  const auto input = scene(limp_bodies(contact, force_interval));
+struct Looks {
+  ContactEngine::Counts counts;
+  std::size_t n_candidates = 0;  // of this rank, added up over the run
+};
+
+Looks expect_brute_forces(const std::string& contact, std::uint64_t seed, bool deaths, int force_interval,
+                          Mood mood = Mood::wild, double offset = 0.0) {
+  const auto input = scene(limp_bodies(contact, force_interval, offset));
   Simulation simulation(MPI_COMM_WORLD, *input, scene_registry());
   if (deaths)
     light_fuses(simulation.model(), [&](std::int64_t id) {
       const auto item = static_cast<std::uint64_t>(id) * 2;
       return scatter(seed, item) < 0.5 ? std::floor(1.0 + 60.0 * scatter(seed, item + 1)) : 1e9;
     });
-  Puppeteer puppeteer(simulation, seed, mood);
+  Puppeteer puppeteer(simulation, seed, mood, offset);
   simulation.observe(puppeteer);
   simulation.run();
-  const ContactEngine::Counts counts = simulation.contacts().front()->counts();
-  if (rank_of(MPI_COMM_WORLD) != 0) return counts;
+  const Looks looks{simulation.contacts().front()->counts(), puppeteer.n_candidates};
+  if (rank_of(MPI_COMM_WORLD) != 0) return looks;
   const ForceComparison& c = puppeteer.comparison;
   EXPECT_EQ(c.n_different, 0) << "of " << c.n_looks << " looks, seed " << seed << "; first in " << c.first_difference;
   EXPECT_GT(c.n_loaded, 5 * c.n_looks) << "the bodies hardly touch";
-  return counts;
+  return looks;
 }
 
 TEST(ContactEngine, misses_no_pair_of_eroding_surfaces) {
@@ -167,19 +187,33 @@ TEST(ContactEngine, misses_no_pair_while_elements_die_and_move_between_ranks) {
 TEST(ContactEngine, misses_no_pair_while_boxes_are_kept_and_renewed) {
   for (std::uint64_t seed = 10; seed < 13; ++seed) {
     const auto counts =
-        expect_brute_forces("{type: eroding_surface, search_interval: 3}", seed, seed % 2 == 0, 0, Mood::calm);
+        expect_brute_forces("{type: eroding_surface, search_interval: 3}", seed, seed % 2 == 0, 0, Mood::calm).counts;
     // On five ranks slaves leave their ranks' boxes of space sooner, which takes a search.
     EXPECT_GT(counts.renewals, counts.searches) << "renewals seldom follow each other";
     EXPECT_GT(counts.refreshes, 0);
   }
   const auto counts = expect_brute_forces("{type: slide_surface, slave: upper, master: lower, search_interval: 3}", 13,
-                                          false, 0, Mood::calm);
+                                          false, 0, Mood::calm)
+                          .counts;
   EXPECT_GT(counts.renewals, 0);
 }
 
 TEST(ContactEngine, misses_no_pair_of_facets_that_are_stretched) {
   for (const char* contact : {"{type: eroding_surface}", "{type: eroding_surface, search_interval: 30}"})
     expect_brute_forces(contact, 14, true, 5, Mood::stretched);
+}
+
+// Boxes in single precision would be as wide as the bodies here, 1 km from the origin, if they were taken from there.
+TEST(ContactEngine, misses_no_pair_far_from_the_origin_and_looks_at_no_more) {
+  for (const char* contact :
+       {"{type: eroding_surface, friction: 0.2}", "{type: slide_surface, slave: upper, master: lower}"})
+    for (const Mood mood : {Mood::wild, Mood::calm}) {
+      const Looks near = expect_brute_forces(contact, 15, false, 5, mood);
+      const Looks far = expect_brute_forces(contact, 15, false, 5, mood, 1000.0);
+      // Round-off of positions, 1e-13 m, decides about few boxes.
+      EXPECT_LT(static_cast<double>(far.n_candidates), 1.02 * static_cast<double>(near.n_candidates)) << contact;
+      EXPECT_EQ(far.counts.searches, near.counts.searches) << contact;
+    }
 }
 
 // What a facet may push must not be nearer to a coarse element's side than to the flat skin that lies between.
