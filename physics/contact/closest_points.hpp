@@ -9,7 +9,7 @@
 
 #include "side_by_side.hpp"
 
-namespace kerf::eroding {
+namespace kerf::surfaces {
 
 // A facet has four triangles: a register of most machines holds one number of each.
 typedef double Four __attribute__((vector_size(32)));
@@ -22,6 +22,16 @@ inline FourVectors all_four(Vec3 v) { return {Four{} + v.x, Four{} + v.y, Four{}
 inline FourVectors turned(const FourVectors& v) {
   const auto turn = [](Four a) { return __builtin_shufflevector(a, a, 1, 2, 3, 0); };
   return {turn(v.x), turn(v.y), turn(v.z)};
+}
+
+/// Four rows of three components and a fourth that is left out, as vectors side by side.
+inline FourVectors transposed(const Four (&row)[4]) {
+  const Four xz01 = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
+  const Four xz23 = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
+  const Four yw01 = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
+  const Four yw23 = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
+  return {__builtin_shufflevector(xz01, xz23, 0, 1, 4, 5), __builtin_shufflevector(yw01, yw23, 0, 1, 4, 5),
+          __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7)};
 }
 
 /// Closest point of a triangle to a point (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
@@ -70,12 +80,7 @@ struct Triangles {
     const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
     Four row[4];
     for (int k = 0; k < 4; ++k) row[k] = detail::row_of(view.position, n[k]);
-    const Four xz01 = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
-    const Four xz23 = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
-    const Four yw01 = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
-    const Four yw23 = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
-    corner = {__builtin_shufflevector(xz01, xz23, 0, 1, 4, 5), __builtin_shufflevector(yw01, yw23, 0, 1, 4, 5),
-              __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7)};
+    corner = transposed(row);
     const Four mean = (row[0] + row[1] + row[2] + row[3]) * 0.25;
     centre = all_four({mean[0], mean[1], mean[2]});
   }
@@ -167,4 +172,4 @@ struct Touch {
   return best;
 }
 
-}  // namespace kerf::eroding
+}  // namespace kerf::surfaces

@@ -10,13 +10,12 @@
 #include <bit>
 #include <span>
 
-#include "closest_points.hpp"
-#include "facet_slabs.hpp"
+#include "closing_pairs.hpp"
 
 namespace {
 
 using namespace kerf;
-using namespace kerf::eroding;
+using namespace kerf::surfaces;
 
 struct ErodingSurface final : Contact {
   std::vector<std::string> parts;
@@ -25,8 +24,6 @@ struct ErodingSurface final : Contact {
   static constexpr double opposing = -0.2;  // cosine between the normals of surfaces that may touch
   static constexpr double straight_below = -0.95;  // cosine between the way to the closest point and the normal
   static constexpr double flush = 0.05;  // height over a facet's plane, in its longest edge
-  static constexpr double first_depth = 0.5;  // that a step may lead to below the surface, over the deepest
-  static constexpr double slow = 0.2;  // way in a step, over the deepest, that is no danger
   static constexpr double straight_angle = 3.14159265358979323846;
   bool self_contact = true;
 
@@ -66,25 +63,18 @@ struct ErodingSurface final : Contact {
 
   void find_touches(const ContactView& view, ContactTouches& touches) const override {
     const FacetSlabs slabs(view, depth);
-    FacetDrifts drifts;
-    const bool fast = fastest_pair(view) * view.dt > slow * slabs.least_deepest();
-    if (fast) drifts.measure(view, slabs);
+    const ClosingPairs pairs(view, slabs);
     Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
-      if (fast) limit_step(view, i, slabs, drifts, touches);
+      pairs.limit_step(i, touches);
       each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
-        const FacetGeometry g(view, facet);
         ContactTouch touch;
         touch.node = view.slave[i];
         touch.facet = facet;
         for (int k = 0; k < 4; ++k) touch.weights[k] = t.weights[k];
         touch.direction = t.direction;
         touch.depth = t.distance;
-        touch.stiffness = penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness;
-        if (t.distance <= slabs.deepest(facet))
-          touches.add(touch);
-        else if (t.distance - closing_speed(view, touch) * view.dt <= slabs.deepest(facet))
-          touches.let_go(touch.node, t.distance);
+        hold_or_let_go(view, slabs, penalty, touch, touches);
       });
     }
   }
@@ -119,52 +109,6 @@ struct ErodingSurface final : Contact {
     int first = -1;  // the facet that is probably closest
     double least_flush = 1e300;  // of those that are left out as flush [m2]
   };
-
-  /// Bound of the speed of any node relative to any facet [m/s].
-  static double fastest_pair(const ContactView& view) {
-    double low[4] = {1e300, 1e300, 1e300, 1e300}, high[4] = {-1e300, -1e300, -1e300, -1e300};
-    for (int n = 0; n < view.n_nodes; ++n)
-      for (int d = 0; d < 4; ++d) {
-        const double v = view.velocity[4 * static_cast<std::int64_t>(n) + d];
-        low[d] = min_of(low[d], v);
-        high[d] = max_of(high[d], v);
-      }
-    return view.n_nodes > 0 ? norm(Vec3{high[0] - low[0], high[1] - low[1], high[2] - low[2]}) : 0.0;
-  }
-
-  /// Keeps a slave from going far into a facet, or out of its sight, in the step after the coming one. Only facets
-  /// within their reach count, since others are listed or not by chance.
-  void limit_step(const ContactView& view, int i, const FacetSlabs& slabs, const FacetDrifts& drifts,
-                  ContactTouches& touches) const {
-    const int node = view.slave[i];
-    const Vec3 s = view.x(node), v = view.v(node);
-    FacetSlabs::until(view.candidates_of(i), [&](const std::int32_t* some, unsigned in_use) {
-      const Lanes closing = drifts.closing(some, v);
-      if ((mask_of(closing > Lanes{}) & in_use) == 0) return false;
-      const FacetSlabs::Seen seen(slabs, some, s);
-      const Lanes sight = FacetSlabs::sight * seen.deepest, height = seen.height;
-      const Lanes way = min_of(first_depth * seen.deepest + max_of(height, Lanes{}),
-                               max_of(sight + height, 0.1 * seen.deepest));
-      // A pair that would not shorten the step needs no closest point.
-      unsigned close = mask_of((closing * view.dt > slow * seen.deepest) & (height >= -sight) &
-                               (way < touches.longest_step() * closing));
-      close &= seen.within_reach(seen.least_square()) & in_use;
-      for (; close != 0; close &= close - 1) {
-        const int l = std::countr_zero(close);
-        if (touch_facet(Triangles(view, some[l]), slabs.size(some[l]), s).distance <= slabs.reach(some[l]))
-          touches.limit_step(way[l], closing[l]);
-      }
-      return false;
-    });
-  }
-
-  /// Speed at which the node of a touch goes deeper [m/s].
-  static double closing_speed(const ContactView& view, const ContactTouch& t) {
-    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
-    Vec3 v = view.v(t.node);
-    for (int k = 0; k < 4; ++k) v = v - view.v(n[k]) * t.weights[k];
-    return -dot(v, t.direction);
-  }
 
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.

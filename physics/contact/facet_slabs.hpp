@@ -12,7 +12,7 @@
 
 #include "side_by_side.hpp"
 
-namespace kerf::eroding {
+namespace kerf::surfaces {
 
 using LaneVectors = SideBySide<Lanes>;
 
@@ -172,4 +172,4 @@ class FacetDrifts {
   std::vector<Row> rows_;  // unit normal, and the mean speed of the corners along it [m/s]
 };
 
-}  // namespace kerf::eroding
+}  // namespace kerf::surfaces

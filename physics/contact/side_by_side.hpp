@@ -3,7 +3,7 @@
 
 #include <kerf/math.hpp>
 
-namespace kerf::eroding {
+namespace kerf::surfaces {
 
 /// `T` holds the same component of each.
 template <class T>
@@ -20,4 +20,4 @@ struct SideBySide {
   }
 };
 
-}  // namespace kerf::eroding
+}  // namespace kerf::surfaces

@@ -3,56 +3,102 @@
 // Sources: J.O. Hallquist, G.L. Goudreau & D.J. Benson, "Sliding interfaces with contact-impact in large-scale
 // Lagrangian computations", CMAME 51 (1985) 107-137; penalty f K A^2 / V as used by Ren & Wang, Explosion and
 // Shock Waves 25 (2005) 260-264.
-#include <kerf/contact_geometry.hpp>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "closing_pairs.hpp"
 
 namespace {
 
 using namespace kerf;
+using namespace kerf::surfaces;
 
-/// Where a node projects on a bilinear segment.
-struct Projection {
-  double weights[4] = {};
-  Vec3 point, normal;
-  double xi = 0.0, eta = 0.0, gap = 0.0;  // gap: distance along the normal, negative below the surface [m]
-  bool converged = false;
+/// Where a node projects on four bilinear segments, side by side.
+struct Projections {
+  Four xi{}, eta{}, gap{};  // gap: distance along the normal, negative below the surface [m]
+  FourVectors normal{};
+  FourInt converged{};
 };
 
-/// Newton iteration for the point where the segment's normal passes through the node (Hallquist et al. 1985,
-/// eqs. 5-8); the fixed number of steps keeps the result independent of round-off in a stopping test.
-Projection project(const Vec3 (&x)[4], Vec3 s) {
-  Projection p;
-  for (int step = 0; step < 8; ++step) {
-    const double a = p.xi, b = p.eta;
-    const Vec3 r = (x[0] * ((1 - a) * (1 - b)) + x[1] * ((1 + a) * (1 - b)) + x[2] * ((1 + a) * (1 + b)) +
-                    x[3] * ((1 - a) * (1 + b))) *
-                   0.25;
-    const Vec3 ra = ((x[1] - x[0]) * (1 - b) + (x[2] - x[3]) * (1 + b)) * 0.25;
-    const Vec3 rb = ((x[3] - x[0]) * (1 - a) + (x[2] - x[1]) * (1 + a)) * 0.25;
-    const Vec3 rab = (x[0] - x[1] + x[2] - x[3]) * 0.25;
-    const Vec3 d = r - s;
-    const double f1 = dot(ra, d), f2 = dot(rb, d);
-    const double h11 = dot(ra, ra), h22 = dot(rb, rb), h12 = dot(ra, rb) + dot(rab, d);
-    const double det = h11 * h22 - h12 * h12;
-    if (!(det > 0.0)) return p;
-    p.xi = clamp_to(p.xi - (h22 * f1 - h12 * f2) / det, -2.0, 2.0);
-    p.eta = clamp_to(p.eta - (h11 * f2 - h12 * f1) / det, -2.0, 2.0);
-  }
-  const double a = p.xi, b = p.eta;
-  p.weights[0] = 0.25 * (1 - a) * (1 - b);
-  p.weights[1] = 0.25 * (1 + a) * (1 - b);
-  p.weights[2] = 0.25 * (1 + a) * (1 + b);
-  p.weights[3] = 0.25 * (1 - a) * (1 + b);
-  p.point = x[0] * p.weights[0] + x[1] * p.weights[1] + x[2] * p.weights[2] + x[3] * p.weights[3];
-  const Vec3 ra = (x[1] - x[0]) * (1 - b) + (x[2] - x[3]) * (1 + b);
-  const Vec3 rb = (x[3] - x[0]) * (1 - a) + (x[2] - x[1]) * (1 + a);
-  const Vec3 n = cross(ra, rb);
-  const double length = norm(n);
-  if (!(length > 0.0)) return p;
-  p.normal = n * (1.0 / length);
-  p.gap = dot(s - p.point, p.normal);
-  p.converged = true;
-  return p;
+/// What is linear in the natural coordinate of one pair of edges, at its value `a` and the other pair's value `b`.
+struct Tangents {
+  FourVectors along_xi, along_eta;
+
+  Tangents(const FourVectors (&x)[4], Four a, Four b)
+      : along_xi((x[1] - x[0]) * (1.0 - b) + (x[2] - x[3]) * (1.0 + b)),
+        along_eta((x[3] - x[0]) * (1.0 - a) + (x[2] - x[1]) * (1.0 + a)) {}
+};
+
+inline FourVectors point_of(const FourVectors (&x)[4], Four a, Four b) {
+  return (x[0] * ((1.0 - a) * (1.0 - b)) + x[1] * ((1.0 + a) * (1.0 - b)) + x[2] * ((1.0 + a) * (1.0 + b)) +
+          x[3] * ((1.0 - a) * (1.0 + b))) *
+         (Four{} + 0.25);
 }
+
+/// Newton iteration for the points where the segments' normals pass through the node (Hallquist et al. 1985,
+/// eqs. 5-8); the fixed number of steps keeps the result independent of round-off in a stopping test. One piece of code
+/// for all callers: inlined, it might be contracted in another way at each.
+[[gnu::noinline]] void project(const FourVectors (&x)[4], Vec3 node, Projections& p) {
+  const FourVectors s = all_four(node);
+  const Four quarter = Four{} + 0.25, one = Four{} + 1.0, most = Four{} + 2.0;
+  const FourVectors twist = (x[0] - x[1] + x[2] - x[3]) * quarter;
+  const auto bounded = [most](Four v) {
+    const Four below = v < most ? v : most;
+    return below > -most ? below : -most;
+  };
+  p = {};
+  p.converged = one > 0.0;
+  for (int step = 0; step < 8; ++step) {
+    const Tangents t(x, p.xi, p.eta);
+    const FourVectors ra = t.along_xi * quarter, rb = t.along_eta * quarter, d = point_of(x, p.xi, p.eta) - s;
+    const Four f1 = dot(ra, d), f2 = dot(rb, d);
+    const Four h11 = dot(ra, ra), h22 = dot(rb, rb), h12 = dot(ra, rb) + dot(twist, d);
+    const Four det = h11 * h22 - h12 * h12;
+    p.converged &= det > 0.0;
+    const Four inverse = 1.0 / (det > 0.0 ? det : one);
+    p.xi = bounded(p.xi - (h22 * f1 - h12 * f2) * inverse);
+    p.eta = bounded(p.eta - (h11 * f2 - h12 * f1) * inverse);
+  }
+  const Tangents t(x, p.xi, p.eta);
+  const FourVectors n = cross(t.along_xi, t.along_eta);
+  const Four length = root(dot(n, n));
+  p.converged &= length > 0.0;
+  p.normal = n * (1.0 / (length > 0.0 ? length : one));
+  p.gap = dot(s - point_of(x, p.xi, p.eta), p.normal);
+}
+
+/// A segment that holds a node.
+struct Held {
+  std::int32_t facet = -1;
+  double xi = 0.0, eta = 0.0, gap = 0.0;
+  Vec3 normal;
+
+  ContactTouch touch(int node) const {
+    ContactTouch t;
+    t.node = node;
+    t.facet = facet;
+    t.weights[0] = 0.25 * (1.0 - xi) * (1.0 - eta);
+    t.weights[1] = 0.25 * (1.0 + xi) * (1.0 - eta);
+    t.weights[2] = 0.25 * (1.0 + xi) * (1.0 + eta);
+    t.weights[3] = 0.25 * (1.0 - xi) * (1.0 + eta);
+    t.direction = normal;
+    t.depth = -gap;
+    return t;
+  }
+};
+
+/// Room for what is found about one slave, kept from one to the next.
+struct Room {
+  struct SomeFacets {
+    Lanes square;  // of a distance that no point of a facet is closer than [m2]
+  };
+  std::vector<SomeFacets> least;  // of all candidates
+  std::vector<std::int32_t> near, round;  // facets that may have the nearest node, and that have it
+};
 
 struct SlideSurface final : Contact {
   std::vector<std::string> slave, master;
@@ -75,8 +121,8 @@ struct SlideSurface final : Contact {
         .by_default("0.02");
     s.real(
          &SlideSurface::depth, "depth", "-", positive,
-         "greatest penetration that is held, over the lesser of the thickness V/A of the master element and the "
-         "segment's longest edge")
+         "greatest penetration that is held, over the least of the thickness V/A of the master element, the segment's "
+         "longest edge and the longest edge of the undeformed segment")
         .by_default("1");
     s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
         .by_default("10");
@@ -93,25 +139,21 @@ struct SlideSurface final : Contact {
     return r;
   }
 
-  // The nearest master node of a node below a segment is at most the segment's diagonal and the depth away.
+  // From a point of a bilinear segment to its nearest corner it is no farther than an edge is long: with natural
+  // coordinates u and v of at most a half from there, the way is u e1 + (1 - u) v e2 + u v e3.
   double reach(const FacetBounds& facet) const override {
-    return 1.5 * facet.longest_edge + depth * min_of(facet.thickness, facet.longest_edge);
+    return facet.longest_edge + FacetSlabs::reach_of(depth, facet.edge);
   }
 
   void find_touches(const ContactView& view, ContactTouches& touches) const override {
+    const FacetSlabs slabs(view, depth);
+    const ClosingPairs pairs(view, slabs);
+    Room room;
     for (int i = 0; i < view.n_slaves; ++i) {
-      Projection p;
-      const int facet = locate(view, i, p);
-      if (facet < 0 || p.gap >= 0.0) continue;
-      const FacetGeometry g(view, facet);
-      ContactTouch touch;
-      touch.node = view.slave[i];
-      touch.facet = facet;
-      for (int k = 0; k < 4; ++k) touch.weights[k] = p.weights[k];
-      touch.direction = p.normal;
-      touch.depth = -p.gap;
-      touch.stiffness = penalty * view.facet_bulk_modulus[facet] * g.area / g.thickness;  // f K A^2 / V
-      touches.add(touch);
+      pairs.limit_step(i, touches);
+      const Held held = locate(view, i, slabs, room);
+      if (held.facet >= 0 && held.gap < 0.0)
+        hold_or_let_go(view, slabs, penalty, held.touch(view.slave[i]), touches);
     }
   }
 
@@ -120,55 +162,123 @@ struct SlideSurface final : Contact {
   }
 
   int penetrations(const ContactView& view, std::vector<int>& nodes, std::vector<double>& depths) const override {
+    const FacetSlabs slabs(view, depth);
+    Room room;
     for (int i = 0; i < view.n_slaves; ++i) {
-      Projection p;
-      const int facet = locate(view, i, p);
-      if (facet < 0 || p.gap > -1e-6 * FacetGeometry(view, facet).size) continue;
+      const Held held = locate(view, i, slabs, room);
+      if (held.facet < 0 || held.gap > -1e-6 * slabs.size(held.facet)) continue;
       nodes.push_back(view.slave[i]);
-      depths.push_back(-p.gap);
+      depths.push_back(-held.gap);
     }
     return static_cast<int>(nodes.size());
   }
 
  private:
-  /// Steps 1 to 3: the nearest master node, the segments round it, the projection. Returns the facet, or -1.
-  int locate(const ContactView& view, int i, Projection& best) const {
-    const int node = view.slave[i];
-    const Vec3 s = view.x(node);
+  /// Steps 1 to 3: the nearest master node, the segments round it, the projection.
+  Held locate(const ContactView& view, int i, const FacetSlabs& slabs, Room& room) const {
+    const Vec3 s = view.x(view.slave[i]);
     const std::span<const std::int32_t> facets = view.candidates_of(i);
-    // 1. Global search: the nearest master node; ties go to the lower id.
+    const int likely = likely_nearest(facets, s, slabs, room);
+    if (likely < 0) return {};
+    list_round(view, facets, likely, s, slabs, room);
+    return best_of(view, room.round, s, slabs);
+  }
+
+  /// The facet that probably has the nearest master node, with what no facet is closer than; or -1 where none can hold
+  /// the node, which is the case for most.
+  int likely_nearest(std::span<const std::int32_t> facets, Vec3 s, const FacetSlabs& slabs, Room& room) const {
+    const double stretch = (1.0 + overlap) * (1.0 + overlap) * (1.0 + 1e-6);  // of segments beyond their edges
+    room.least.clear();
+    int likely = -1;
+    double closest = 1e300;
+    bool any = false;
+    FacetSlabs::until(facets, [&](const std::int32_t* some, unsigned in_use) {
+      const FacetSlabs::Seen seen(slabs, some, s);
+      const Lanes least = seen.least_square(), from_centre = seen.across + seen.height * seen.height;
+      const Lanes held = 1.01 * FacetSlabs::sight * seen.deepest, warp = stretch * seen.warp;
+      const Lanes most = stretch * seen.radius + held;
+      any = any || (mask_of((seen.height <= 1e-6 * seen.size + warp) & (seen.height >= -held - warp) &
+                            (seen.across <= most * most)) &
+                    in_use) != 0;
+      room.least.push_back({least});
+      for (unsigned closer = mask_of(from_centre < closest) & in_use; closer != 0; closer &= closer - 1) {
+        const int l = std::countr_zero(closer);
+        if (!(from_centre[l] < closest)) continue;
+        closest = from_centre[l];
+        likely = some[l];
+      }
+      return false;
+    });
+    return any ? likely : -1;
+  }
+
+  /// Lists the segments round the nearest master node; ties go to the lower id. Only corners within the reach of their
+  /// segments count, since others are listed or not by chance.
+  void list_round(const ContactView& view, std::span<const std::int32_t> facets, int likely, Vec3 s,
+                  const FacetSlabs& slabs, Room& room) const {
     double nearest = 1e300;
     std::int64_t nearest_id = -1;
-    for (const std::int32_t f : facets)
+    const auto sees = [&](std::int32_t f, double square) {
+      const double reach = slabs.size(f) + slabs.reach(f);
+      return square <= reach * reach;
+    };
+    const auto compare_corners = [&](std::int32_t f) {
       for (int k = 0; k < 4; ++k) {
-        const std::int32_t n = view.facet_nodes[4 * f + k];
+        const std::int32_t n = view.facet_nodes[4 * static_cast<std::int64_t>(f) + k];
         const Vec3 d = view.x(n) - s;
-        const double distance = dot(d, d);
-        if (distance < nearest || (distance == nearest && view.node_id[n] < nearest_id)) {
-          nearest = distance;
-          nearest_id = view.node_id[n];
-        }
+        const double square = dot(d, d);
+        if (square > nearest || (square == nearest && view.node_id[n] >= nearest_id) || !sees(f, square)) continue;
+        nearest = square;
+        nearest_id = view.node_id[n];
       }
-    // 2. Local search: the master segments round that node; 3. projection: the one that holds the node deepest
-    // within its edges, then nearest to its surface; ties go to the lower id, which comes first.
-    int found = -1;
-    double best_outside = 1e300;
-    for (const std::int32_t f : facets) {
-      const std::int32_t* n = view.facet_nodes + 4 * f;
+    };
+    compare_corners(likely);
+    room.near.clear();
+    for (std::size_t k = 0; k < facets.size(); ++k) {
+      if (room.least[k / register_lanes].square[k % register_lanes] > nearest) continue;
+      compare_corners(facets[k]);
+      room.near.push_back(facets[k]);
+    }
+    room.round.clear();
+    for (const std::int32_t f : room.near) {
+      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
       bool round = false;
       for (int k = 0; k < 4; ++k) round = round || view.node_id[n[k]] == nearest_id;
-      if (!round) continue;
-      const FacetGeometry g(view, f);
-      const Projection p = project(g.x, s);
-      const double outside = max_of(max_of(std::fabs(p.xi), std::fabs(p.eta)) - 1.0, 0.0);
-      if (!p.converged || outside > overlap || -p.gap > depth * min_of(g.thickness, g.size)) continue;
-      if (outside < best_outside || (outside == best_outside && std::fabs(p.gap) < std::fabs(best.gap))) {
+      if (round && sees(f, nearest)) room.round.push_back(f);
+    }
+  }
+
+  /// The segment that holds the node: one that is not too deep below before one that is, then the one that holds it best
+  /// within its edges, then the one nearest to its surface, then the one of the lower id, which comes first.
+  Held best_of(const ContactView& view, const std::vector<std::int32_t>& segments, Vec3 s,
+               const FacetSlabs& slabs) const {
+    Held best;
+    bool best_deep = true;
+    double best_outside = 1e300;
+    for (std::size_t first = 0; first < segments.size(); first += 4) {
+      FourVectors x[4];
+      const auto segment = [&](std::size_t l) { return segments[std::min(first + l, segments.size() - 1)]; };
+      for (std::size_t k = 0; k < 4; ++k) {
+        Four row[4];
+        for (std::size_t l = 0; l < 4; ++l)
+          row[l] = detail::row_of(view.position, view.facet_nodes[4 * static_cast<std::size_t>(segment(l)) + k]);
+        x[k] = transposed(row);
+      }
+      Projections p;
+      project(x, s, p);
+      for (int l = 0; l < 4 && first + static_cast<std::size_t>(l) < segments.size(); ++l) {
+        const std::int32_t f = segment(static_cast<std::size_t>(l));
+        const double outside = max_of(max_of(std::fabs(p.xi[l]), std::fabs(p.eta[l])) - 1.0, 0.0);
+        if (p.converged[l] == 0 || outside > overlap || -p.gap[l] > FacetSlabs::sight * slabs.deepest(f)) continue;
+        const bool deep = -p.gap[l] > slabs.deepest(f);
+        const auto rank = [](bool is_deep, double out, double gap) { return std::tuple(is_deep, out, std::fabs(gap)); };
+        if (best.facet >= 0 && !(rank(deep, outside, p.gap[l]) < rank(best_deep, best_outside, best.gap))) continue;
+        best = {f, p.xi[l], p.eta[l], p.gap[l], p.normal.at(l)};
+        best_deep = deep;
         best_outside = outside;
-        best = p;
-        found = f;
       }
     }
-    return found;
+    return best;
   }
 };
 
