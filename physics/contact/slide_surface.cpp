@@ -104,7 +104,6 @@ struct Room {
 struct SlideSurface final : Contact {
   std::vector<std::string> slave, master;
   static constexpr double stability = 0.4;  // of effective mass over dt squared
-  static constexpr double folded = 0.7;  // cosine between the normals of segments that meet at an edge
   double penalty = 0.1, damping = 0.0, friction = 0.0, overlap = 0.02, depth = 1.0;
   bool symmetric = false;
 
@@ -189,13 +188,15 @@ struct SlideSurface final : Contact {
   /// The touch of a node that will be below a segment: at the point where it passes through the surface, or that it is
   /// below already at the start of the step. The point below its end may be far from there, and jumps from one segment
   /// to the next, so that bodies without strength would buckle.
-  ContactTouch touch_of(const ContactView& view, int node, const FacetSlabs& slabs, const Room& room,
+  ContactTouch touch_of(const ContactView& view, int node, const FacetSlabs& slabs, Room& room,
                         const Held& end) const {
     ContactTouch touch = end.touch(node);
     const Vec3 s = view.x(node), v = relative_velocity(view, touch);
     const double closing = -dot(v, touch.direction);
     if (!(closing > 0.0)) return touch;
     const Vec3 entry = s - v * min_of(touch.depth / closing, view.dt);
+    // What slides past an edge has not come through the side of the body.
+    std::erase_if(room.round, [&](std::int32_t f) { return is_folded(slabs, f, end.facet); });
     Held held = best_of(view, room.round, entry, slabs);
     if (held.facet < 0) return touch;
     held.normal = smooth_normal(view, slabs, room, held);
@@ -205,6 +206,11 @@ struct SlideSurface final : Contact {
     for (int k = 0; k < 4; ++k) below = below + view.x(n[k]) * touch.weights[k];
     touch.depth = dot(below, touch.direction);
     return touch;
+  }
+
+  /// Whether an edge between two segments is one of the body, and not just one of the mesh.
+  static bool is_folded(const FacetSlabs& slabs, std::int32_t a, std::int32_t b) {
+    return dot(slabs.normal(a), slabs.normal(b)) < 0.7;
   }
 
   /// The normal at the point of a segment that a node touches, without jumps from one segment to the next: with the
@@ -226,7 +232,7 @@ struct SlideSurface final : Contact {
     Vec3 at_corner, across_xi = own, across_eta = own;
     for (const std::int32_t f : room.round) {
       const Vec3 normal = slabs.normal(f);
-      if (dot(normal, own) < folded) continue;
+      if (is_folded(slabs, f, held.facet)) continue;
       at_corner = at_corner + normal;
       if (f == held.facet) continue;
       if (has(f, corner[beside_xi])) across_xi = own + normal;
