@@ -11,6 +11,7 @@
 #include <span>
 
 #include "closing_pairs.hpp"
+#include "own_surface.hpp"
 
 namespace {
 
@@ -20,10 +21,8 @@ using namespace kerf::surfaces;
 struct ErodingSurface final : Contact {
   std::vector<std::string> parts;
   double penalty = 0.4, damping = 0.2, friction = 0.0, depth = 0.6, stability = 0.4;
-  static constexpr double same_way = 0.2;  // cosine between the normals of surfaces that cannot touch
   static constexpr double opposing = -0.2;  // cosine between the normals of surfaces that may touch
   static constexpr double straight_below = -0.95;  // cosine between the way to the closest point and the normal
-  static constexpr double flush = 0.05;  // height over a facet's plane, in its longest edge
   static constexpr double straight_angle = 3.14159265358979323846;
   bool self_contact = true;
 
@@ -185,12 +184,10 @@ struct ErodingSurface final : Contact {
       const Lanes square = seen.least_square();
       unsigned near_by = seen.within_reach(square) & in_use;
       if (near_by == 0) return false;
-      // Where two bodies are flush, the sides of one are as close to the other's rim as its front.
-      unsigned beside = 0;
-      if (!same_part) beside = mask_of((seen.along(own) > same_way) & (abs_of(seen.height) < flush * seen.size));
+      const unsigned flush = same_part ? 0u : beside(seen, own);
       for (; near_by != 0; near_by &= near_by - 1) {
         const int l = std::countr_zero(near_by);
-        if ((beside >> l & 1u) != 0) {
+        if ((flush >> l & 1u) != 0) {
           near.least_flush = min_of(near.least_flush, square[l]);
           continue;
         }
@@ -263,17 +260,6 @@ struct ErodingSurface final : Contact {
   static double angle_at(Vec3 corner, Vec3 a, Vec3 b) {
     const Vec3 u = a - corner, v = b - corner;
     return kerf::acos(clamp_to(dot(u, v) / (norm(u) * norm(v)), -1.0, 1.0));
-  }
-
-  /// Unit normal of the surface around a slave, zero for a free node, which has no surface.
-  Vec3 own_normal(const ContactView& view, int i) const {
-    Vec3 own;
-    for (const std::int32_t facet : view.around_slave(i)) {
-      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
-      own = own + cross(view.x(n[2]) - view.x(n[0]), view.x(n[3]) - view.x(n[1]));
-    }
-    const double length = norm(own);
-    return length > 0.0 ? own * (1.0 / length) : Vec3{};
   }
 };
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "closing_pairs.hpp"
+#include "own_surface.hpp"
 
 namespace {
 
@@ -182,6 +183,8 @@ struct SlideSurface final : Contact {
     const int likely = likely_nearest(facets, s, slabs, room);
     if (likely < 0) return {};
     list_round(view, facets, likely, s, slabs, room);
+    const Vec3 own = own_normal(view, i);
+    std::erase_if(room.round, [&](std::int32_t f) { return is_beside(slabs, f, own, s); });
     return best_of(view, room.round, s, slabs);
   }
 
