@@ -65,9 +65,11 @@ struct CandidateSearch::Tables : SearchRecords {
     for (std::size_t f = 0; f < facets.size(); ++f) plant(static_cast<std::int32_t>(f));
     for (PartFacets& p : parts) p.trees.finish();
   }
+  /// Whether a facet is there, and not just for the sake of the slaves of its corners.
+  bool may_meet(std::int32_t f) const { return (role[f] & ~ContactFacetRecord::meets_none) != 0; }
   /// Puts the present boxes of a facet into its part's trees.
   void plant(std::int32_t f) {
-    if (role[f] == 0) return;
+    if (!may_meet(f)) return;
     const auto part = static_cast<std::size_t>(facets[f].part);
     if (part >= parts.size()) parts.resize(part + 1);
     place_in_tree.resize(facets.size(), -1);
@@ -331,10 +333,10 @@ struct CandidateSearch::Tables : SearchRecords {
   }
   void add(const ContactFacetRecord& facet, std::vector<std::int32_t>& affected) {
     const auto f = static_cast<std::int32_t>(facets.size());
-    late.push_back(f);
     facets.push_back(facet);
     ids.push_back(facet.id);
     role.push_back(facet.role);
+    if (may_meet(f)) late.push_back(f);
     corners.push_back(corners_of(facet));
     for (int k = 0; k < 4; ++k) {
       around.add(corners[f][k], f, ids);
@@ -382,7 +384,7 @@ void CandidateSearch::refresh(const std::vector<ContactFacetRecord>& facets,
     }
     t.facets[f].box.include(facet.box);
     t.facets[f].own_box.include(facet.own_box);
-    t.late.push_back(f);
+    if (t.may_meet(f)) t.late.push_back(f);
   }
   t.resize();
   for (const ContactNodeRecord& slave : slaves) {
@@ -404,6 +406,7 @@ void CandidateSearch::renew(const std::vector<ContactFacetRecord>& facets,
     const std::int32_t f = t.number_of_facet(facet.id);
     const bool fresh = f == t.n_facets();
     if (fresh) t.add(facet, affected);
+    if (!t.may_meet(f)) continue;
     ContactFacetRecord& known = t.facets[f];
     if (fresh || !(known.box == facet.box)) changed.boxes.push_back(f);
     if (fresh || !(known.own_box == facet.own_box)) changed.own_boxes.push_back(f);

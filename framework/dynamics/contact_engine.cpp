@@ -166,6 +166,7 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   }
   const bool master = masters_.holds_facet(f.part, sets), slave = slaves_.holds_facet(f.part, sets);
   r.role = (master ? 1u : 0u) | (slave && request_.symmetric ? 2u : 0u);
+  if (r.role == 0 && slave) r.role = ContactFacetRecord::meets_none;
   if (r.role == 0) return false;
   r.id = part.store->id(f.slot) * 8 + f.face;
   r.part = f.part;

@@ -36,6 +36,8 @@ struct ContactFacetRecord {
   Box box, own_box;  // inflated by the facet's reach
   double bulk_modulus = 0.0, volume = 0.0, edge = 0.0;  // of the undeformed: volume of the element, longest edge
   std::int32_t part = 0;
+  /// Role of a facet that is there only to say what surface the slaves of its corners belong to.
+  static constexpr std::uint32_t meets_none = 4;
   std::uint32_t role = 0;  // bits of the slaves that it meets
 };
 
