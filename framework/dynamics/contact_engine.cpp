@@ -40,7 +40,7 @@ double ContactSpeeds::fastest_pair() const {
   return most[0] > -1e300 ? norm(most_apart) : 0.0;
 }
 
-/// The least reach of any face of any undeformed element. Collective.
+/// The least sight of any face of any undeformed element. Collective.
 void ContactEngine::measure_reach(const Model& model) {
   double least = beyond;
   for (const PartModel& part : model.parts)
@@ -52,7 +52,7 @@ void ContactEngine::measure_reach(const Model& model) {
         FacetBounds bounds;
         for (int k = 0; k < 4; ++k) bounds.edge = std::max(bounds.edge, norm(x[face[(k + 1) % 4]] - x[face[k]]));
         bounds.longest_edge = bounds.thickness = bounds.edge;
-        least = std::min(least, law_.reach(bounds));
+        least = std::min(least, law_.sight(bounds));
       }
     }
   least_reach_ = -greatest(model.comm, -least);

@@ -122,7 +122,7 @@ struct SlideSurface final : Contact {
            "how far beyond its edges a segment still takes nodes, in natural coordinates")
         .by_default("0.02");
     s.real(
-         &SlideSurface::depth, "depth", "-", positive,
+         &SlideSurface::depth, "depth", "-", between(0.1, 1.0),
          "greatest penetration that is held, over the least of the thickness V/A of the master element, the segment's "
          "longest edge and the longest edge of the undeformed segment")
         .by_default("1");
@@ -146,6 +146,8 @@ struct SlideSurface final : Contact {
   double reach(const FacetBounds& facet) const override {
     return facet.longest_edge + FacetSlabs::reach_of(depth, facet.edge);
   }
+
+  double sight(const FacetBounds& facet) const override { return FacetSlabs::reach_of(depth, facet.edge); }
 
   void find_touches(const ContactView& view, ContactTouches& touches) const override {
     const FacetSlabs slabs(view, depth);

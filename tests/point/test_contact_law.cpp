@@ -1,9 +1,12 @@
 // Contact laws on a surface made by hand: what single nodes in awkward places get.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <random>
+#include <string>
 
 #include "kerf/contact.hpp"
 #include "support/make_law.hpp"
@@ -37,10 +40,10 @@ struct Roof {
       for (int d = 0; d < 3; ++d) position[4 * n + d] += ridge[d];
   }
 
-  /// The touch of the free node at `s` from the ridge's end, that moves down at 1 m/s; empty where there is none.
-  std::optional<ContactTouch> touch_at(const Contact& law, Vec3 s) {
+  /// The touch of the free node at `s` from the ridge's end, that moves down; empty where there is none.
+  std::optional<ContactTouch> touch_at(const Contact& law, Vec3 s, double speed = 1.0) {
     for (int d = 0; d < 3; ++d) position[24 + d] = ridge[d] + s[d];
-    velocity[26] = -1.0;
+    velocity[26] = -speed;
     ContactView view;
     view.dt = view.kick_dt = 1e-3;
     view.n_nodes = 7;
@@ -123,9 +126,56 @@ TEST(ErodingSurface, DoesNotCareForFacetsBeyondTheirReach) {
   EXPECT_EQ(with_both->depth, with_one->depth);
 }
 
+/// What all laws do alike.
+struct AnyLaw : testing::TestWithParam<const char*> {
+  std::unique_ptr<Contact> law() const {
+    const std::string name = GetParam();
+    return make_law<Contact>("contact", GetParam(), name == "slide_surface" ? "{slave: a, master: b, depth: 0.6}"
+                                                                            : "{depth: 0.6}");
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Contact, AnyLaw, testing::Values("eroding_surface", "slide_surface"),
+                         [](const auto& info) { return std::string(info.param); });
+
+// The greatest depth is 0.6 here, the step 1 ms.
+TEST_P(AnyLaw, CountsANodeInTheStepInWhichItPassesTheGreatestDepth) {
+  Roof roof;
+  roof.candidates.end = 1;
+  const Vec3 corner[4] = {{-1, -1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0}};
+  for (int n = 0; n < 4; ++n)
+    for (int d = 0; d < 3; ++d) roof.position[4 * n + d] = Roof::ridge[d] + corner[n][d];
+  const auto law = this->law();
+  EXPECT_TRUE(roof.touch_at(*law, {-0.4, -0.3, -0.5995}));
+  EXPECT_EQ(roof.n_let_go, 0u);
+  EXPECT_FALSE(roof.touch_at(*law, {-0.4, -0.3, -0.6005}));
+  EXPECT_EQ(roof.n_let_go, 1u);
+  EXPECT_FALSE(roof.touch_at(*law, {-0.4, -0.3, -0.6015}));
+  EXPECT_EQ(roof.n_let_go, 0u) << "it was deeper before";
+}
+
+TEST_P(AnyLaw, BoundsTheStepOfANodeThatClosesIn) {
+  Roof roof;
+  roof.candidates.end = 1;
+  const Vec3 corner[4] = {{-1, -1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0}};
+  for (int n = 0; n < 4; ++n)
+    for (int d = 0; d < 3; ++d) roof.position[4 * n + d] = Roof::ridge[d] + corner[n][d];
+  const auto law = this->law();
+  constexpr double deepest = 0.6, speed = 200.0;
+  for (const double height : {0.6, 0.2, 0.0, -0.2}) {
+    roof.touch_at(*law, {-0.4, -0.3, height}, speed);
+    // No farther than to half of the greatest depth, nor out of sight at 1.25 times of it; round-off is 1e-16 of 1 m.
+    const double way = std::min(0.5 * deepest + std::max(height, 0.0), 1.25 * deepest + height);
+    EXPECT_NEAR(roof.longest_step, way / speed, 1e-15) << height;
+  }
+  roof.touch_at(*law, {-0.4, -0.3, 0.2}, -speed);
+  EXPECT_GT(roof.longest_step, 1e200) << "it flies away";
+  roof.touch_at(*law, {-0.4, -0.3, 0.2}, 0.1 * speed);
+  EXPECT_GT(roof.longest_step, 1e200) << "it is slow";
+}
+
 // The least of V/A, longest edge now and longest edge once, whatever the facet has become.
-TEST(ErodingSurface, LetsGoOfWhatIsDeeperThanTheFacetWasLarge) {
-  const auto law = make_law<Contact>("contact", "eroding_surface", "{damping: 0, depth: 0.6}");
+TEST_P(AnyLaw, LetsGoOfWhatIsDeeperThanTheFacetWasLarge) {
+  const auto law = this->law();
   struct Case {
     double width, volume, edge;  // of a facet 4 long: width, volume of its element, longest edge once
     double least;

@@ -128,6 +128,9 @@ class Contact : public Plugin {
   /// Distance from a facet within which a node must be a candidate [m]. What nodes move until the next search comes on
   /// top. The bounds of longest edge and thickness foresee the worst, and may be far above what facets come to.
   virtual double reach(const FacetBounds& facet) const = 0;
+  /// Distance from a facet within which the law bounds the step for a node that closes in on it [m]. Nothing may travel
+  /// farther than that in a step.
+  virtual double sight(const FacetBounds& facet) const { return reach(facet); }
   /// Adds the touches of all slaves of the view, in any order.
   virtual void find_touches(const ContactView& view, ContactTouches& touches) const = 0;
   virtual ContactResponse response() const = 0;
