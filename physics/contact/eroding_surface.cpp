@@ -11,6 +11,7 @@
 #include <span>
 
 #include "closest_points.hpp"
+#include "edge_touches.hpp"
 #include "facet_slabs.hpp"
 
 namespace {
@@ -28,7 +29,7 @@ struct ErodingSurface final : Contact {
   static constexpr double first_depth = 0.5;  // that a step may lead to below the surface, over the deepest
   static constexpr double slow = 0.2;  // way in a step, over the deepest, that is no danger
   static constexpr double straight_angle = 3.14159265358979323846;
-  bool self_contact = true;
+  bool self_contact = true, edges = true;
 
   static void describe(Schema<ErodingSurface>& s) {
     s.texts(&ErodingSurface::parts, "parts", "parts or sets in contact with one another; all where absent").optional();
@@ -46,6 +47,7 @@ struct ErodingSurface final : Contact {
            "greatest penetration that is held, over the least of the thickness V/A of the facet's element, the "
            "facet's longest edge and the longest edge of the undeformed facet")
         .by_default("0.6");
+    s.boolean(&ErodingSurface::edges, "edges", "whether sharp edges that cross touch, too").by_default("true");
     s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
         .by_default("10");
   }
@@ -67,8 +69,10 @@ struct ErodingSurface final : Contact {
   void find_touches(const ContactView& view, ContactTouches& touches) const override {
     const FacetSlabs slabs(view, depth);
     const bool fast = fastest_pair(view) * view.dt > slow * slabs.least_deepest();
+    EdgeTouches edge_touches(view, slabs, penalty, opposing);
     Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
+      if (edges) edge_touches.find(i, touches);
       if (fast) limit_step(view, i, slabs, touches);
       each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
         const FacetGeometry g(view, facet);
