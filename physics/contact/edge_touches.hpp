@@ -54,14 +54,16 @@ class EdgeTouches {
     const std::span<const std::int32_t> around = view_.around_slave(i);
     if (!may_be_sharp(around)) return;
     slave_ = view_.slave[i];
-    edges_found_ = false;
-    if (!list_near(i)) return;
+    list_near(i);
+    if (near_.size() < 2) return;
+    list_own(around);
     if (own_.empty()) return;
+    std::erase_if(near_, [&](const Near& n) { return !is_passed(n); });
     for (std::size_t a = 0; a < near_.size(); ++a)
       for (std::size_t b = a + 1; b < near_.size(); ++b) {
-        if (!(dot(slabs_.normal(near_[a]), slabs_.normal(near_[b])) < SharpEdge::smooth)) continue;
+        if (!is_sharp(near_[a].facet, near_[b].facet)) continue;
         SharpEdge other;
-        if (!edge_of(near_[a], near_[b], other)) continue;
+        if (!edge_of(near_[a].facet, near_[b].facet, other)) continue;
         for (const SharpEdge& own : own_) touch(own, other, touches);
       }
   }
@@ -77,6 +79,16 @@ class EdgeTouches {
     double depth = 0.0;  // [m]
   };
 
+  struct Near {
+    std::int32_t facet;
+    double height, highest;  // of the slave over it, and of what may be taken to be below it [m]
+  };
+
+  /// The corners of a facet round the slave that come after and before it.
+  struct Neighbours {
+    std::int32_t facet, next, previous;
+  };
+
   /// False where all facets round a node face nearly the same way.
   bool may_be_sharp(std::span<const std::int32_t> around) const {
     constexpr double nearly = 0.9659258262890683;  // cosine of 15 degrees, half of those between smooth facets
@@ -89,8 +101,12 @@ class EdgeTouches {
 
   std::int64_t id_of(int node) const { return view_.node_id[node]; }
 
-  /// Lists the candidates that are near enough and that an edge of the slave may pass. False where there are none.
-  bool list_near(int i) {
+  bool is_sharp(std::int32_t f, std::int32_t g) const {
+    return dot(slabs_.normal(f), slabs_.normal(g)) < SharpEdge::smooth;
+  }
+
+  /// Lists the candidates that may be within their reach.
+  void list_near(int i) {
     const Vec3 s = view_.x(slave_);
     near_.clear();
     FacetSlabs::until(view_.candidates_of(i), [&](const std::int32_t* some, unsigned in_use) {
@@ -98,34 +114,43 @@ class EdgeTouches {
       unsigned near_by = seen.within_reach(seen.least_square()) & in_use;
       for (; near_by != 0; near_by &= near_by - 1) {
         const int l = std::countr_zero(near_by);
-        if (!edges_found_) find_own(view_.around_slave(i));
-        if (own_.empty()) return true;
-        // A point of one of the edges must be below the facet, or it is not inside of the wedge.
-        double lowest = seen.height[l];
-        for (const SharpEdge& e : own_) {
-          const Vec3 end = e.node[0] == slave_ ? e.from + e.along : e.from;
-          lowest = min_of(lowest, dot(end - slabs_.centre(some[l]), slabs_.normal(some[l])));
-        }
-        if (lowest <= 3.0 * seen.warp[l] + 0.03 * seen.deepest[l]) near_.push_back(some[l]);
+        near_.push_back({some[l], seen.height[l], 3.0 * seen.warp[l] + 0.03 * seen.deepest[l]});
       }
       return false;
     });
-    return near_.size() >= 2;
+  }
+
+  /// Whether a point of one of the slave's edges may be below a facet, as it is in a wedge.
+  bool is_passed(const Near& n) const {
+    double lowest = n.height;
+    for (const SharpEdge& e : own_) {
+      const Vec3 end = e.node[0] == slave_ ? e.from + e.along : e.from;
+      lowest = min_of(lowest, dot(end - slabs_.centre(n.facet), slabs_.normal(n.facet)));
+    }
+    return lowest <= n.highest;
   }
 
   /// Lists the sharp edges that end in the slave.
-  void find_own(std::span<const std::int32_t> around) {
-    edges_found_ = true;
+  void list_own(std::span<const std::int32_t> around) {
     own_.clear();
-    for (std::size_t a = 0; a < around.size(); ++a)
-      for (std::size_t b = a + 1; b < around.size(); ++b) {
-        if (!(dot(slabs_.normal(around[a]), slabs_.normal(around[b])) < SharpEdge::smooth)) continue;
-        SharpEdge e;
-        if (!edge_of(around[a], around[b], e) || (e.node[0] != slave_ && e.node[1] != slave_)) continue;
-        bool simple = true;
-        for (const std::int32_t f : around) simple = simple && (f == around[a] || f == around[b] || !holds(f, e));
-        if (simple) own_.push_back(e);
+    ring_.clear();
+    for (const std::int32_t f : around) {
+      const std::int32_t* n = view_.facet_nodes + 4 * static_cast<std::int64_t>(f);
+      int k = 0;
+      while (k < 3 && n[k] != slave_) ++k;
+      ring_.push_back({f, n[(k + 1) % 4], n[(k + 3) % 4]});
+    }
+    for (const Neighbours& f : ring_) {
+      std::int32_t beyond = -1;  // the facet beyond the edge to the next corner
+      int n_facets = 0;
+      for (const Neighbours& g : ring_) {
+        if (g.previous == f.next) beyond = g.facet;
+        n_facets += g.previous == f.next || g.next == f.next ? 1 : 0;
       }
+      SharpEdge e;
+      if (n_facets == 2 && beyond >= 0 && is_sharp(f.facet, beyond) && build(f.facet, beyond, slave_, f.next, e))
+        own_.push_back(e);
+    }
   }
 
   bool holds(std::int32_t facet, const SharpEdge& e) const {
@@ -177,7 +202,7 @@ class EdgeTouches {
     return dot(e.normal[0], e.inward[1]) < 0.0;
   }
 
-  /// Whether two edges cross with a depth between zero and the greatest that is held.
+  /// Whether two edges cross with a depth. What crosses deeper than a step can lead to is no matter of edges any more.
   static bool cross_inside(const SharpEdge& a, const SharpEdge& b, Crossing& c) {
     const Vec3 between = a.from - b.from;
     const double aa = dot(a.along, a.along), bb = dot(b.along, b.along), ab = dot(a.along, b.along);
@@ -192,7 +217,7 @@ class EdgeTouches {
     c.out = across * (1.0 / norm(across));
     if (dot(c.out, b.normal[0] + b.normal[1]) < 0.0) c.out = c.out * -1.0;
     c.depth = dot(c.q - c.p, c.out);
-    return c.depth > 0.0 && c.depth <= min_of(a.deepest, b.deepest) && b.leads_out(c.out) && a.leads_out(c.out * -1.0);
+    return c.depth > 0.0 && c.depth <= 2.0 * min_of(a.deepest, b.deepest) && b.leads_out(c.out) && a.leads_out(c.out * -1.0);
   }
 
   /// Of the four end nodes that surely have the other edge's facets among their candidates, the one with the lowest id
@@ -213,7 +238,7 @@ class EdgeTouches {
   /// Whether a third facet, which is surely among the candidates, holds an edge: then it bounds no simple wedge.
   bool is_shared(const SharpEdge& e, Vec3 point) const {
     const Vec3 d = view_.x(slave_) - point;
-    for (const std::int32_t f : near_)
+    for (const auto& [f, height, highest] : near_)
       if (f != e.facet[0] && f != e.facet[1] && holds(f, e) && dot(d, d) <= slabs_.reach(f) * slabs_.reach(f)) return true;
     return false;
   }
@@ -239,7 +264,11 @@ class EdgeTouches {
     t.direction = own_first ? c.out : c.out * -1.0;
     t.depth = c.depth;
     t.stiffness = min_of(stiffness(own), stiffness(other));
-    touches.add(t);
+    const double deepest = min_of(own.deepest, other.deepest);
+    if (t.depth <= deepest)
+      touches.add(t);
+    else if (t.depth - closing_speed(view_, t) * view_.dt <= deepest)
+      touches.let_go(t.node, t.depth);
   }
 
   /// With which a depth at an edge is taken back: the lesser of its facets' [N/m].
@@ -256,9 +285,9 @@ class EdgeTouches {
   const FacetSlabs& slabs_;
   double penalty_, opposing_;
   std::int32_t slave_ = -1;
-  bool edges_found_ = false;
   std::vector<SharpEdge> own_;  // that end in the slave
-  std::vector<std::int32_t> near_;  // facets
+  std::vector<Near> near_;  // facets
+  std::vector<Neighbours> ring_;  // round the slave
 };
 
 }  // namespace kerf::eroding

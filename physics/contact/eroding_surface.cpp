@@ -151,14 +151,6 @@ struct ErodingSurface final : Contact {
     }
   }
 
-  /// Speed at which the node of a touch goes deeper [m/s].
-  static double closing_speed(const ContactView& view, const ContactTouch& t) {
-    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
-    Vec3 v = view.v(t.node);
-    for (int k = 0; k < 4; ++k) v = v - view.v(n[k]) * t.weights[k];
-    return -dot(v, t.direction);
-  }
-
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.
   template <class Push>
