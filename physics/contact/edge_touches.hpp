@@ -1,8 +1,9 @@
-// Touches of the edges of one surface with those of another: where two sharp edges cross, bodies may share volume though
-// no node of one is inside of the other.
+// Touches of the edges of one surface with those of another: where two sharp edges cross, bodies may share volume
+// though no node of one is inside of the other.
 //
 // A pair is found by one of the four end nodes, through its candidate facets. All numbers of a pair are computed in an
-// order that ids alone decide about, so every rank that sees a pair gets the same bits, and only one of them reports it.
+// order that ids alone decide about, so every rank that sees a pair gets the same bits, and only one of them reports
+// it.
 #pragma once
 
 #include <bit>
@@ -18,23 +19,26 @@
 
 namespace kerf::eroding {
 
-/// A convex edge where two facets of one body meet at an angle, and the wedge that the body fills there: that of the two
-/// triangles which the edge forms with the facets' centres.
+/// A convex edge where two facets of one body meet at an angle, and the wedge that the body fills there: that of the
+/// two triangles which the edge forms with the facets' centres.
 struct SharpEdge {
   static constexpr double smooth = 0.8660254037844386;  // cosine of 30 degrees, between the normals of two facets
 
   std::int32_t node[2] = {}, facet[2] = {};  // both by ascending id
   Vec3 from, along;  // place of the first node, and way to the second [m]
-  Vec3 normal[2], inward[2];  // unit vectors across the edge: out of each triangle's plane, and in it away from the edge
+  Vec3 normal[2],
+      inward[2];  // unit vectors across the edge: out of each triangle's plane, and in it away from the edge
   double reach = 0.0, deepest = 0.0;  // the lesser of the two facets' [m]
 
-  /// Whether a unit vector leads out of the body, and its opposite into the body, at the edge. What is at right angles to
-  /// a facet counts with either sign of round-off.
-  bool leads_out(Vec3 out) const {
-    constexpr double grazing = 0.02;
-    for (int k = 0; k < 2; ++k)
-      if (!(dot(out, inward[k]) <= grazing && dot(out, normal[k]) >= -grazing)) return false;
-    return true;
+  /// Whether the way across this edge and another leads out of this body: its triangles both go down on either side,
+  /// and what is below the edge is in the wedge, or the wedge is at least not far. A triangle at right angles to the
+  /// way goes down with either sign of round-off.
+  bool leads_out(Vec3 way) const {
+    constexpr double grazing = 0.02, steep = 0.5;
+    const double down = -max_of(dot(way, inward[0]), dot(way, inward[1]));
+    const double steepest = -min_of(dot(way, inward[0]), dot(way, inward[1]));
+    const double below = min_of(dot(way, normal[0]), dot(way, normal[1]));
+    return down >= -grazing && (below >= -grazing || steepest >= steep);
   }
   Vec3 mean_normal() const {
     const Vec3 sum = normal[0] + normal[1];
@@ -45,9 +49,9 @@ struct SharpEdge {
 /// Finds the touches of edges, slave by slave.
 class EdgeTouches {
  public:
-  /// `penalty` as for nodes; `opposing` is the cosine between the mean normals below which edges of one part may touch.
-  EdgeTouches(const ContactView& view, const FacetSlabs& slabs, double penalty, double opposing)
-      : view_(view), slabs_(slabs), penalty_(penalty), opposing_(opposing) {}
+  /// `opposing` is the cosine between the mean normals below which edges of one part may touch.
+  EdgeTouches(const ContactView& view, const FacetSlabs& slabs, double opposing)
+      : view_(view), slabs_(slabs), opposing_(opposing) {}
 
   /// Adds the touches that a slave is to report.
   void find(int i, ContactTouches& touches) {
@@ -69,6 +73,8 @@ class EdgeTouches {
   }
 
  private:
+  static constexpr double overshoot =
+      1.0;  // beyond the ends of edges, over the depth, at which they are taken to cross
   static constexpr double least_angle = 0.03;  // square of the sine between edges that cross; others count as parallel
 
   /// Closest points of two edges. The first of them has the node with the lowest id.
@@ -210,15 +216,23 @@ class EdgeTouches {
     if (!(det > least_angle * aa * bb)) return false;
     c.s = (ab * fb - fa * bb) / det;
     c.t = (aa * fb - ab * fa) / det;
-    if (!(c.s >= 0.0 && c.s <= 1.0 && c.t >= 0.0 && c.t <= 1.0)) return false;
+    if (!is_near_edge(c.s) || !is_near_edge(c.t)) return false;
+    c.s = clamp_to(c.s, 0.0, 1.0);
+    c.t = clamp_to(c.t, 0.0, 1.0);
     c.p = a.from + a.along * c.s;
     c.q = b.from + b.along * c.t;
-    const Vec3 across = cross(a.along, b.along);
+    const Vec3 across = cross(a.along, b.along), way = c.q - c.p;
     c.out = across * (1.0 / norm(across));
     if (dot(c.out, b.normal[0] + b.normal[1]) < 0.0) c.out = c.out * -1.0;
-    c.depth = dot(c.q - c.p, c.out);
-    return c.depth > 0.0 && c.depth <= 2.0 * min_of(a.deepest, b.deepest) && b.leads_out(c.out) && a.leads_out(c.out * -1.0);
+    c.depth = dot(way, c.out);
+    if (!(c.depth > 0.0 && c.depth <= 2.0 * min_of(a.deepest, b.deepest))) return false;
+    const Vec3 past = way - c.out * c.depth;
+    return dot(past, past) <= overshoot * overshoot * c.depth * c.depth && b.leads_out(c.out) &&
+           a.leads_out(c.out * -1.0);
   }
+  /// Where a line of edges bends, edges that are below the surface cross beyond the ends of both: as far as the depth
+  /// times the tangent of the angle.
+  static bool is_near_edge(double place) { return place >= -0.5 && place <= 1.5; }
 
   /// Of the four end nodes that surely have the other edge's facets among their candidates, the one with the lowest id
   /// reports the pair.
@@ -239,7 +253,8 @@ class EdgeTouches {
   bool is_shared(const SharpEdge& e, Vec3 point) const {
     const Vec3 d = view_.x(slave_) - point;
     for (const auto& [f, height, highest] : near_)
-      if (f != e.facet[0] && f != e.facet[1] && holds(f, e) && dot(d, d) <= slabs_.reach(f) * slabs_.reach(f)) return true;
+      if (f != e.facet[0] && f != e.facet[1] && holds(f, e) && dot(d, d) <= slabs_.reach(f) * slabs_.reach(f))
+        return true;
     return false;
   }
 
@@ -263,7 +278,9 @@ class EdgeTouches {
       t.weights[k] = n[k] == other.node[0] ? 1.0 - at_other : n[k] == other.node[1] ? at_other : 0.0;
     t.direction = own_first ? c.out : c.out * -1.0;
     t.depth = c.depth;
-    t.stiffness = min_of(stiffness(own), stiffness(other));
+    // No depth is taken back. Whether a pair crosses depends on the shape of two wedges, which may come and go: what is
+    // pushed out of a depth that was gained meanwhile would get energy that contact has never taken.
+    t.stiffness = 0.0;
     const double deepest = min_of(own.deepest, other.deepest);
     if (t.depth <= deepest)
       touches.add(t);
@@ -271,19 +288,9 @@ class EdgeTouches {
       touches.let_go(t.node, t.depth);
   }
 
-  /// With which a depth at an edge is taken back: the lesser of its facets' [N/m].
-  double stiffness(const SharpEdge& e) const {
-    double least = 1e300;
-    for (const std::int32_t f : e.facet) {
-      const FacetGeometry g(view_, f);
-      least = min_of(least, penalty_ * view_.facet_bulk_modulus[f] * g.area / g.thickness);
-    }
-    return least;
-  }
-
   const ContactView& view_;
   const FacetSlabs& slabs_;
-  double penalty_, opposing_;
+  double opposing_;
   std::int32_t slave_ = -1;
   std::vector<SharpEdge> own_;  // that end in the slave
   std::vector<Near> near_;  // facets

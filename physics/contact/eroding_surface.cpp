@@ -69,7 +69,7 @@ struct ErodingSurface final : Contact {
   void find_touches(const ContactView& view, ContactTouches& touches) const override {
     const FacetSlabs slabs(view, depth);
     const bool fast = fastest_pair(view) * view.dt > slow * slabs.least_deepest();
-    EdgeTouches edge_touches(view, slabs, penalty, opposing);
+    EdgeTouches edge_touches(view, slabs, opposing);
     Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
       if (edges) edge_touches.find(i, touches);
