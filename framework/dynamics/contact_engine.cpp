@@ -59,17 +59,20 @@ void ContactEngine::measure_reach(const Model& model) {
 
 /// How fast the nodes that take part move, without the ones that have been dropped.
 void ContactEngine::measure_speeds(const Model& model) {
-  speeds_ = {};
-  speeds_.longest_step = touches_.longest_step();
   const bool first = prediction_ && !(prediction_->step().last_dt > 0.0);
+  Quad low = Quad{} + 1e300, high = -low;
   for (const Tracked& t : tracked_) {
     if (!(model.nodes.mass[t.node] > 0.0)) continue;
     // Before the first step, pressures have not set anything in motion yet.
-    const Vec3 v = first ? predicted_v(model, t.node) : model.nodes.v(t.node);
-    for (int d = 0; d < 3; ++d) {
-      speeds_.most[d] = std::max(speeds_.most[d], -v[d]);
-      speeds_.most[3 + d] = std::max(speeds_.most[3 + d], v[d]);
-    }
+    const Quad v = first ? prediction_->velocity(t.node) : row_of(model.nodes.velocity.data(), t.node);
+    low = v < low ? v : low;
+    high = v > high ? v : high;
+  }
+  speeds_ = {};
+  speeds_.longest_step = touches_.longest_step();
+  for (int d = 0; d < 3; ++d) {
+    speeds_.most[d] = -low[d];
+    speeds_.most[3 + d] = high[d];
   }
 }
 
@@ -440,23 +443,22 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
 }
 
 Vec3 ContactEngine::predicted_v(const Model& model, int node) const {
-  return prediction_ ? prediction_->velocity(node) : model.nodes.v(node);
+  return prediction_ ? vector_of(prediction_->velocity(node)) : model.nodes.v(node);
 }
 
 Vec3 ContactEngine::predicted_x(const Model& model, int node) const {
-  return prediction_ ? prediction_->position(node) : model.nodes.x(node);
+  return prediction_ ? vector_of(prediction_->position(node)) : model.nodes.x(node);
 }
 
 double ContactEngine::dt_ahead() const { return prediction_ ? prediction_->step().dt : 0.0; }
 
 void ContactEngine::pull(const Model& model) {
   const auto predict = [&](std::int32_t node, double* position, double* velocity) {
-    const Vec3 v = predicted_v(model, node), x = model.nodes.x(node) + v * dt_ahead();
-    for (int d = 0; d < 3; ++d) {
-      position[d] = x[d];
-      velocity[d] = v[d];
-    }
-    position[3] = prediction_ ? prediction_->held_axes(node) : 0.0;
+    Prediction::Flight f{row_of(model.nodes.velocity.data(), node), row_of(model.nodes.position.data(), node)};
+    if (prediction_) f = prediction_->flight(node);
+    f.position[3] = f.held_axes;
+    set_row(position, 0, f.position);
+    set_row(velocity, 0, f.velocity);
   };
   if (!plan_) {
     for (std::size_t i = 0; i < found_->node_local.size(); ++i)

@@ -25,9 +25,7 @@ class FrameOrigin {
   explicit FrameOrigin(Vec3 origin) : origin_{origin.x, origin.y, origin.z, 0.0} {}
   /// In single precision, which may take a node for inside that is outside by half a unit in the last place. There is
   /// room for that: facets' boxes are rounded outwards by two units or more once they have been inflated by the reach.
-  bool sees_in(const Box& box, const double* position) const {
-    Four x;
-    std::memcpy(&x, position, sizeof x);
+  bool sees_in(const Box& box, const Quad& x) const {
     const Floats seen = __builtin_convertvector(x - origin_, Floats);
     static_assert(sizeof(Box) == 6 * sizeof(float) && offsetof(Box, high) == 3 * sizeof(float));
     Floats low, high;  // the fourth entry of `low` and the first of `high` belong to the other corner
@@ -38,7 +36,6 @@ class FrameOrigin {
   }
 
  private:
-  typedef double Four __attribute__((vector_size(32)));
   typedef float Floats __attribute__((vector_size(16)));
   typedef std::int32_t Answer __attribute__((vector_size(16)));
   static unsigned bits_of(Answer yes) {
@@ -48,7 +45,7 @@ class FrameOrigin {
     return (yes[0] & 1u) | (yes[1] & 2u) | (yes[2] & 4u);
 #endif
   }
-  Four origin_;
+  Quad origin_;
 };
 
 /// How far nodes may go from a time on.
@@ -157,8 +154,7 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
     __builtin_prefetch(&model.nodes.position[4 * later]);
     __builtin_prefetch(&model.nodes.velocity[4 * later]);
     __builtin_prefetch(&model.nodes.force[4 * later]);
-    const Vec3 x = predicted_x(model, t.node);
-    const double position[4] = {x.x, x.y, x.z, 0.0};
+    const Quad position = prediction_->position(t.node);
     if (!common.sees_in(t.box, position) || (has_own[t.part] && !own[t.part].sees_in(own_boxes_[k], position)))
       strays_.push_back({static_cast<std::int32_t>(k), in_common_frame | in_own_frame});
   }

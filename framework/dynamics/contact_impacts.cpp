@@ -25,9 +25,8 @@ std::int64_t share_of_corner(std::int64_t share, double weight) {
   return std::llrint(static_cast<double>(share) * weight);
 }
 
-/// The mass that moves in a touch: 1 / (1/m_s + sum of w_k^2 / m_k), of the shares of mass that the touch has [kg]; with
-/// an edge, 1/m_s is the sum of w^2/m of its two nodes.
-/// Infinite where boundary conditions hold all nodes.
+/// The mass that moves in a touch: 1 / (1/m_s + sum of w_k^2 / m_k), of the shares of mass that the touch has [kg];
+/// with an edge, 1/m_s is the sum of w^2/m of its two nodes. Infinite where boundary conditions hold all nodes.
 double effective_mass(const ContactView& view, const ContactTouch& t, const MassSplit& split, Vec3 along) {
   const std::int32_t* n = corners_of(view, t);
   const auto share = static_cast<double>(share_of(view, t, split.quantum));

@@ -16,9 +16,6 @@ namespace kerf {
 
 namespace {
 
-typedef double Quad __attribute__((vector_size(32)));
-typedef std::int64_t QuadInt __attribute__((vector_size(32)));
-
 /// v += F/m dt; x += v dt; F = 0, for all nodes. `look(i, old velocity, new velocity, old, new position)` sees each.
 template <class Look>
 void advance_nodes(NodeStore& nodes, double quantum, double kick_dt, double dt, const Look& look) {
@@ -39,8 +36,6 @@ void advance_nodes(NodeStore& nodes, double quantum, double kick_dt, double dt, 
   }
   for (int i = n; i < n + NodeStore::n_dummies; ++i) f[i] = QuadInt{};
 }
-
-Vec3 vector_of(Quad q) { return {q[0], q[1], q[2]}; }
 
 Vec3 kicked(const NodeStore& nodes, int i, double quantum, double kick_dt) {
   const double a = nodes.inverse_mass[i] * (quantum * kick_dt);
@@ -89,38 +84,59 @@ std::vector<HalfSpace> Integrator::regions(const Model& model, const Step& step)
 }
 
 Prediction::Prediction(const Integrator& integrator, const Model& model, const Step& next)
-    : integrator_(integrator), model_(model), next_(next), planes_(Integrator::regions(model, next)) {}
+    : integrator_(integrator),
+      model_(model),
+      next_(next),
+      factor_(model.quanta.force.quantum * next.kick_dt()),
+      planes_(Integrator::regions(model, next)) {}
+
+/// The velocity without boundary conditions.
+Quad Prediction::kicked(int i) const {
+  const NodeStore& nodes = model_.nodes;
+  return row_of(nodes.velocity.data(), i) +
+         __builtin_convertvector(row_of(nodes.force.data(), i), Quad) * (nodes.inverse_mass[i] * factor_);
+}
 
 /// Whether no condition is asked about a flight: most nodes are far from the regions of all that are not always asked.
-bool Prediction::is_free(int i, Vec3 v) const {
+bool Prediction::is_free(int i, const Quad& v) const {
   if (integrator_.always_.empty()) return true;
   if (integrator_.always_[i] != 0) return false;
   if (integrator_.near_[i] == 0) return true;
-  const Vec3 to = model_.nodes.x(i) + v * next_.dt;
+  const Vec3 to = vector_of(from(i) + v * next_.dt);
   for (std::size_t b = 0; b < planes_.size(); ++b)
     if ((integrator_.near_[i] >> b & 1u) != 0 && dot(planes_[b].normal, to) < planes_[b].offset) return false;
   return true;
 }
 
-Vec3 Prediction::velocity(int i) const {
-  const Vec3 v = kicked(model_.nodes, i, model_.quanta.force.quantum, next_.kick_dt());
+Quad Prediction::velocity(int i) const {
+  const Quad v = kicked(i);
   if (is_free(i, v)) return v;
-  return integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), v);
+  return quad_of(integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i),
+                                       vector_of(v)));
 }
 
-unsigned Prediction::held_axes(int i) const {
-  const Vec3 v = kicked(model_.nodes, i, model_.quanta.force.quantum, next_.kick_dt());
-  if (is_free(i, v)) return 0;
-  const auto constrained = [&](Vec3 velocity) {
-    return integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), velocity);
-  };
-  const Vec3 unpushed = constrained(v);
+Prediction::Flight Prediction::flight(int i) const {
+  Flight f{.velocity = kicked(i), .position = {}};
+  if (!is_free(i, f.velocity)) {
+    const Vec3 v = vector_of(f.velocity);
+    const Vec3 constrained =
+        integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), v);
+    f.velocity = quad_of(constrained);
+    f.held_axes = held_axes(i, v, constrained);
+  }
+  f.position = from(i) + f.velocity * next_.dt;
+  return f;
+}
+
+unsigned Prediction::held_axes(int i, Vec3 v, Vec3 unpushed) const {
   const double push = 1e-3 * norm(v) + 1e-3;  // far above round-off [m/s]
   unsigned held = 0;
   for (int d = 0; d < 3; ++d) {
     Vec3 pushed = v;
     pushed[d] += push;
-    if (norm(constrained(pushed) - unpushed) < 1e-6 * push) held |= 1u << d;
+    const Vec3 end =
+        integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), pushed);
+    if (norm(end - unpushed) < 1e-6 * push) held |= 1u << d;
   }
   return held;
 }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/quad.hpp"
 #include "dynamics/ledger.hpp"
 #include "dynamics/names.hpp"
 #include "dynamics/step.hpp"
@@ -29,20 +30,28 @@ class Prediction {
   /// All must outlive this.
   Prediction(const Integrator& integrator, const Model& model, const Step& next);
   /// Velocity in the coming step [m/s].
-  Vec3 velocity(int node) const;
+  Quad velocity(int node) const;
   /// Position at its end [m].
-  Vec3 position(int node) const { return model_.nodes.x(node) + velocity(node) * next_.dt; }
-  /// Axes along which boundary conditions keep a node from following a force, as bits. A condition that is oblique to
-  /// the axes does not count.
-  unsigned held_axes(int node) const;
+  Quad position(int node) const { return from(node) + velocity(node) * next_.dt; }
+  /// Both, and the axes along which boundary conditions keep a node from following a force, as bits. A condition that
+  /// is oblique to the axes does not count.
+  struct Flight {
+    Quad velocity, position;
+    unsigned held_axes = 0;
+  };
+  Flight flight(int node) const;
   const Step& step() const { return next_; }
 
  private:
-  bool is_free(int node, Vec3 velocity) const;
+  Quad from(int node) const { return row_of(model_.nodes.position.data(), node); }
+  Quad kicked(int node) const;
+  bool is_free(int node, const Quad& velocity) const;
+  unsigned held_axes(int node, Vec3 kicked, Vec3 constrained) const;
 
   const Integrator& integrator_;
   const Model& model_;
   Step next_;
+  double factor_;  // from force quanta times inverse mass to velocity
   std::vector<HalfSpace> planes_;
 };
 

@@ -23,7 +23,7 @@ namespace {
 enum Flag : std::int64_t { flag_trouble = 1, flag_failed = 2, flag_signal = 4 };
 
 constexpr double overlap_at_end = 0.1;  // cells that parts in contact may share
-constexpr double unseen = 0.6;  // of its least reach, that contact lets anything travel in a step
+constexpr double unseen = 0.9;  // of its least reach, that contact lets anything travel in a step
 
 volatile std::sig_atomic_t signal_seen = 0;
 extern "C" void note_signal(int number) { signal_seen = number; }

@@ -53,6 +53,16 @@ class EdgeTouches {
   EdgeTouches(const ContactView& view, const FacetSlabs& slabs, double opposing)
       : view_(view), slabs_(slabs), opposing_(opposing) {}
 
+  /// Adds the touches of all slaves of the view.
+  void find(ContactTouches& touches) {
+    for (int i = 0; i < view_.n_slaves; ++i) find(i, touches);
+  }
+
+ private:
+  static constexpr double overshoot =
+      1.0;  // beyond the ends of edges, over the depth, at which they are taken to cross
+  static constexpr double least_angle = 0.03;  // square of the sine between edges that cross; others count as parallel
+
   /// Adds the touches that a slave is to report.
   void find(int i, ContactTouches& touches) {
     const std::span<const std::int32_t> around = view_.around_slave(i);
@@ -71,11 +81,6 @@ class EdgeTouches {
         for (const SharpEdge& own : own_) touch(own, other, touches);
       }
   }
-
- private:
-  static constexpr double overshoot =
-      1.0;  // beyond the ends of edges, over the depth, at which they are taken to cross
-  static constexpr double least_angle = 0.03;  // square of the sine between edges that cross; others count as parallel
 
   /// Closest points of two edges. The first of them has the node with the lowest id.
   struct Crossing {

@@ -68,12 +68,12 @@ struct ErodingSurface final : Contact {
 
   void find_touches(const ContactView& view, ContactTouches& touches) const override {
     const FacetSlabs slabs(view, depth);
+    FacetDrifts drifts;
     const bool fast = fastest_pair(view) * view.dt > slow * slabs.least_deepest();
-    EdgeTouches edge_touches(view, slabs, opposing);
+    if (fast) drifts.measure(view, slabs);
     Near near;
     for (int i = 0; i < view.n_slaves; ++i) {
-      if (edges) edge_touches.find(i, touches);
-      if (fast) limit_step(view, i, slabs, touches);
+      if (fast) limit_step(view, i, slabs, drifts, touches);
       each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
         const FacetGeometry g(view, facet);
         ContactTouch touch;
@@ -89,6 +89,7 @@ struct ErodingSurface final : Contact {
           touches.let_go(touch.node, t.distance);
       });
     }
+    if (edges) EdgeTouches(view, slabs, opposing).find(touches);
   }
 
   ContactResponse response() const override {
@@ -124,31 +125,40 @@ struct ErodingSurface final : Contact {
 
   /// Bound of the speed of any node relative to any facet [m/s].
   static double fastest_pair(const ContactView& view) {
-    Vec3 low{1e300, 1e300, 1e300}, high = low * -1.0;
+    double low[4] = {1e300, 1e300, 1e300, 1e300}, high[4] = {-1e300, -1e300, -1e300, -1e300};
     for (int n = 0; n < view.n_nodes; ++n)
-      for (int d = 0; d < 3; ++d) {
-        low[d] = min_of(low[d], view.v(n)[d]);
-        high[d] = max_of(high[d], view.v(n)[d]);
+      for (int d = 0; d < 4; ++d) {
+        const double v = view.velocity[4 * static_cast<std::int64_t>(n) + d];
+        low[d] = min_of(low[d], v);
+        high[d] = max_of(high[d], v);
       }
-    return view.n_nodes > 0 ? norm(high - low) : 0.0;
+    return view.n_nodes > 0 ? norm(Vec3{high[0] - low[0], high[1] - low[1], high[2] - low[2]}) : 0.0;
   }
 
   /// Keeps a slave from going far into a facet, or out of its sight, in the step after the coming one. Only facets
   /// within their reach count, since others are listed or not by chance.
-  void limit_step(const ContactView& view, int i, const FacetSlabs& slabs, ContactTouches& touches) const {
+  void limit_step(const ContactView& view, int i, const FacetSlabs& slabs, const FacetDrifts& drifts,
+                  ContactTouches& touches) const {
     const int node = view.slave[i];
     const Vec3 s = view.x(node), v = view.v(node);
-    for (const std::int32_t f : view.candidates_of(i)) {
-      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
-      const Vec3 mean = (view.v(n[0]) + view.v(n[1]) + view.v(n[2]) + view.v(n[3])) * 0.25;
-      const double closing = -dot(v - mean, slabs.normal(f)), deepest = slabs.deepest(f);
-      if (!(closing * view.dt > slow * deepest)) continue;
-      const double height = dot(s - slabs.centre(f), slabs.normal(f));
-      if (height < -FacetSlabs::sight * deepest) continue;
-      if (!(touch_facet(Triangles(view, f), slabs.size(f), s).distance <= slabs.reach(f))) continue;
-      touches.limit_step(min_of(first_depth * deepest + max_of(height, 0.0), max_of(FacetSlabs::sight * deepest + height, 0.1 * deepest)),
-                         closing);
-    }
+    FacetSlabs::until(view.candidates_of(i), [&](const std::int32_t* some, unsigned in_use) {
+      const Lanes closing = drifts.closing(some, v);
+      if ((mask_of(closing > Lanes{}) & in_use) == 0) return false;
+      const FacetSlabs::Seen seen(slabs, some, s);
+      const Lanes sight = FacetSlabs::sight * seen.deepest, height = seen.height;
+      const Lanes way = min_of(first_depth * seen.deepest + max_of(height, Lanes{}),
+                               max_of(sight + height, 0.1 * seen.deepest));
+      // A pair that would not shorten the step needs no closest point.
+      unsigned close = mask_of((closing * view.dt > slow * seen.deepest) & (height >= -sight) &
+                               (way < touches.longest_step() * closing));
+      close &= seen.within_reach(seen.least_square()) & in_use;
+      for (; close != 0; close &= close - 1) {
+        const int l = std::countr_zero(close);
+        if (touch_facet(Triangles(view, some[l]), slabs.size(some[l]), s).distance <= slabs.reach(some[l]))
+          touches.limit_step(way[l], closing[l]);
+      }
+      return false;
+    });
   }
 
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,

@@ -144,4 +144,32 @@ class FacetSlabs {
   double least_deepest_ = 1e300;  // [m]
 };
 
+/// Of every facet of a view, how it moves along its normal, for the speeds at which nodes close in on it.
+class FacetDrifts {
+ public:
+  void measure(const ContactView& view, const FacetSlabs& slabs) {
+    const auto n = static_cast<std::size_t>(view.n_facets);
+    rows_.resize(n);
+    for (std::size_t f = 0; f < n; ++f) {
+      const std::int32_t* c = view.facet_nodes + 4 * f;
+      const Vec3 mean = (view.v(c[0]) + view.v(c[1]) + view.v(c[2]) + view.v(c[3])) * 0.25;
+      const Vec3 normal = slabs.normal(static_cast<int>(f));
+      rows_[f] = {{normal.x, normal.y, normal.z, dot(mean, normal)}};
+    }
+  }
+  /// Speeds at which a node with a velocity closes in on some facets [m/s]: as many as there are lanes.
+  Lanes closing(const std::int32_t* facet, Vec3 v) const {
+    LaneVectors normal;
+    Lanes along;
+    gather_rows(rows_.data()->entry, facet, normal.x, normal.y, normal.z, along);
+    return along - (normal.x * v.x + normal.y * v.y + normal.z * v.z);
+  }
+
+ private:
+  struct alignas(32) Row {
+    double entry[4] = {};
+  };
+  std::vector<Row> rows_;  // unit normal, and the mean speed of the corners along it [m/s]
+};
+
 }  // namespace kerf::eroding

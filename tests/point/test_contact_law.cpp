@@ -106,8 +106,8 @@ TEST(ErodingSurface, StaysBoundedForANodeOnTheSurface) {
   EXPECT_GT(pushed, 5000);
 }
 
-/// Two roofs of two facets each, 2 long: a lower one with its ridge along y, and an upper one upside down with its ridge
-/// along x. All four ends of the ridges are slaves. The ridges cross in the middle, the upper one 0.1 too deep.
+/// Two roofs of two facets each, 2 long: a lower one with its ridge along y, and an upper one upside down with its
+/// ridge along x. All four ends of the ridges are slaves. The ridges cross in the middle, the upper one 0.1 too deep.
 struct CrossedRoofs {
   std::vector<Vec3> x;
   std::vector<std::int64_t> node_id;
@@ -126,8 +126,8 @@ struct CrossedRoofs {
     // The same, turned over about the x axis, and its ridge turned away from the lower one's by the angle.
     for (const double across : {-1.0, 0.0, 1.0})
       for (const double along : {1.0, -1.0})
-        x.push_back({across * std::cos(angle) - along * std::sin(angle), across * std::sin(angle) + along * std::cos(angle),
-                     (across == 0.0 ? 0.0 : drop) - 0.1});
+        x.push_back({across * std::cos(angle) - along * std::sin(angle),
+                     across * std::sin(angle) + along * std::cos(angle), (across == 0.0 ? 0.0 : drop) - 0.1});
     for (std::int64_t n = 0; n < 12; ++n) node_id.push_back(100 + n);
   }
 

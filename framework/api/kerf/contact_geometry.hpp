@@ -1,4 +1,5 @@
-// Geometry that contact algorithms share: the corners of a facet, its area, thickness and normal; how fast a touch closes.
+// Geometry that contact algorithms share: the corners of a facet, its area, thickness and normal; how fast a touch
+// closes.
 #pragma once
 
 #include <cmath>
