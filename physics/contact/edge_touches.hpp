@@ -40,6 +40,8 @@ struct SharpEdge {
     const double below = min_of(dot(way, normal[0]), dot(way, normal[1]));
     return down >= -grazing && (below >= -grazing || steepest >= steep);
   }
+  /// Whether a point is in the wedge, given the way from it to the edge.
+  bool covers(Vec3 way) const { return dot(way, normal[0]) >= 0.0 && dot(way, normal[1]) >= 0.0; }
   Vec3 mean_normal() const {
     const Vec3 sum = normal[0] + normal[1];
     return sum * (1.0 / norm(sum));
@@ -59,8 +61,7 @@ class EdgeTouches {
   }
 
  private:
-  static constexpr double overshoot =
-      1.0;  // beyond the ends of edges, over the depth, at which they are taken to cross
+  static constexpr double overshoot = 1.0;  // of edges beyond their ends, over the depth, up to which they cross
   static constexpr double least_angle = 0.03;  // square of the sine between edges that cross; others count as parallel
 
   /// Adds the touches that a slave is to report.
@@ -222,8 +223,9 @@ class EdgeTouches {
     c.s = (ab * fb - fa * bb) / det;
     c.t = (aa * fb - ab * fa) / det;
     if (!is_near_edge(c.s) || !is_near_edge(c.t)) return false;
-    c.s = clamp_to(c.s, 0.0, 1.0);
-    c.t = clamp_to(c.t, 0.0, 1.0);
+    const double s = c.s, t = c.t;
+    c.s = clamp_to(s, 0.0, 1.0);
+    c.t = clamp_to(t, 0.0, 1.0);
     c.p = a.from + a.along * c.s;
     c.q = b.from + b.along * c.t;
     const Vec3 across = cross(a.along, b.along), way = c.q - c.p;
@@ -232,11 +234,12 @@ class EdgeTouches {
     c.depth = dot(way, c.out);
     if (!(c.depth > 0.0 && c.depth <= 2.0 * min_of(a.deepest, b.deepest))) return false;
     const Vec3 past = way - c.out * c.depth;
-    return dot(past, past) <= overshoot * overshoot * c.depth * c.depth && b.leads_out(c.out) &&
-           a.leads_out(c.out * -1.0);
+    if (dot(past, past) > overshoot * overshoot * c.depth * c.depth) return false;
+    if ((c.s != s && !b.covers(way)) || (c.t != t && !a.covers(way * -1.0))) return false;
+    return b.leads_out(c.out) && a.leads_out(c.out * -1.0);
   }
   /// Where a line of edges bends, edges that are below the surface cross beyond the ends of both: as far as the depth
-  /// times the tangent of the angle.
+  /// times the tangent of the angle. It is the end that touches then, and it has to be inside.
   static bool is_near_edge(double place) { return place >= -0.5 && place <= 1.5; }
 
   /// Of the four end nodes that surely have the other edge's facets among their candidates, the one with the lowest id

@@ -223,15 +223,19 @@ TEST(ErodingSurfaceEdges, AreLetAloneWhereNothingIsInside) {
   EXPECT_EQ(n_found(CrossedRoofs(0.3)), 1);
   EXPECT_EQ(n_found(CrossedRoofs(0.25)), 0) << "28 degrees count as smooth";
   EXPECT_EQ(n_found(CrossedRoofs(-1.0)), 0) << "valleys";
-  CrossedRoofs apart, beside, below;
-  for (std::size_t n = 6; n < 12; ++n) {
-    apart.x[n].z += 0.11;
-    beside.x[n].y += 1.05;  // the upper ridge passes the end of the lower one
-    below.x[n].z -= 3.0;  // deeper than any edge is held
-  }
-  EXPECT_EQ(n_found(apart), 0);
-  EXPECT_EQ(n_found(beside), 0);
-  EXPECT_EQ(n_found(below), 0);
+  const auto moved = [&](double drop, Vec3 way) {
+    CrossedRoofs roofs(drop);
+    for (std::size_t n = 6; n < 12; ++n) roofs.x[n] = roofs.x[n] + way;
+    return n_found(roofs);
+  };
+  EXPECT_EQ(moved(1.0, {0, 0, 0.11}), 0) << "apart";
+  EXPECT_EQ(moved(1.0, {0, 0, -3.0}), 0) << "deeper than any edge is held";
+  // The upper ridge passes the end of the lower one, 0.1 above it. The end is in the wedge as far as it has gone down.
+  EXPECT_EQ(moved(1.0, {0, 0.99, 0}), 1);
+  EXPECT_EQ(moved(1.0, {0, 1.09, 0}), 1) << "the end is inside";
+  EXPECT_EQ(moved(1.0, {0, 1.11, 0}), 0) << "the end is beside";
+  EXPECT_EQ(moved(3.0, {0, 1.03, 0}), 1) << "the end is inside of a wedge of 37 degrees";
+  EXPECT_EQ(moved(3.0, {0, 1.04, 0}), 0) << "the end is beside a wedge of 37 degrees";
   // Wedges of 37 degrees that lean: their sides both go down from the ridge, and then one of them goes up.
   for (const double lean : {0.0, 0.5, 1.3}) {
     CrossedRoofs acute(3.0);
