@@ -127,6 +127,15 @@ struct CandidateSearch::Tables : SearchRecords {
     cluster.box.include(slave.box);
     cluster.own_box.include(slave.own_box);
   }
+  /// Takes a slave out: it meets nothing any more.
+  void leave(std::int32_t s) {
+    KERF_ASSERT(s >= 0, "only a slave can leave");
+    slaves[s].role = 0;
+    part_slaves[slaves[s].part].places[place[s]].role = 0;
+    put(s, {}, {});
+    found[s].clear();
+    settle(s);
+  }
   void set_slave_boxes(std::int32_t s) {
     PartSlaves& part = part_slaves[slaves[s].part];
     part.trees.set(static_cast<std::size_t>(place[s]), slaves[s].box, within_part(slaves[s].own_box));
@@ -351,7 +360,7 @@ CandidateSearch::~CandidateSearch() = default;
 
 void CandidateSearch::change(const std::vector<std::int64_t>& dead_elements,
                              const std::vector<ContactFacetRecord>& new_facets,
-                             const std::vector<ContactNodeRecord>& new_slaves) {
+                             const std::vector<ContactNodeRecord>& changed_slaves) {
   Tables& t = *tables_;
   std::vector<std::int32_t> affected;  // nodes whose surroundings changed
   t.kill(dead_elements, affected);
@@ -360,7 +369,12 @@ void CandidateSearch::change(const std::vector<std::int64_t>& dead_elements,
   for (const ContactFacetRecord& facet : new_facets) t.add(facet, affected);
   t.resize();
   t.find_new(first_new);
-  t.slaves.insert(t.slaves.end(), new_slaves.begin(), new_slaves.end());
+  for (const ContactNodeRecord& slave : changed_slaves) {
+    if (slave.role != 0)
+      t.slaves.push_back(slave);
+    else
+      t.leave(t.slave_of[t.numbering.number(slave.id, slave.local)]);
+  }
   for (auto s = n_old; s < static_cast<std::int32_t>(t.slaves.size()); ++s) {
     t.join(s);
     t.put(s, t.slaves[s].box, t.slaves[s].own_box);

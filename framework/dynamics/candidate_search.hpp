@@ -34,10 +34,10 @@ class CandidateSearch {
                   std::size_t n_local);
   ~CandidateSearch();
 
-  /// The facets of some elements vanish, others appear, and nodes join the slaves. The candidates are then the same as
-  /// those of a search with all that is left.
+  /// The facets of some elements vanish, others appear, and nodes join the slaves or, with a record without a role,
+  /// leave them. The candidates are then the same as those of a search with all that is left.
   void change(const std::vector<std::int64_t>& dead_elements, const std::vector<ContactFacetRecord>& new_facets,
-              const std::vector<ContactNodeRecord>& new_slaves);
+              const std::vector<ContactNodeRecord>& changed_slaves);
   /// Slaves that are known here, and facets that need not be, get other boxes. The candidates are then those of a
   /// search with the new boxes, and perhaps some more.
   void refresh(const std::vector<ContactFacetRecord>& facets, const std::vector<ContactNodeRecord>& slaves);

@@ -412,17 +412,21 @@ bool ContactEngine::keep_complete(Model& model, const Step& step) {
   return enough;
 }
 
+/// Whether nodes without live elements take part at all.
+bool ContactEngine::keeps_free(const Model& model) const {
+  return request_.free_nodes && model.input->checks.free_nodes != "drop";
+}
+
 bool ContactEngine::takes_free(const Model& model, int node) const {
-  return request_.free_nodes && model.nodes.free[node] != 0 && model.nodes.mass[node] > 0.0;
+  return keeps_free(model) && model.nodes.free[node] != 0 && model.nodes.mass[node] > 0.0;
 }
 
 void ContactEngine::surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
                                     std::vector<ExteriorFacet> opened) {
-  // Nodes that leave contact are left to a search.
-  if (!request_.free_nodes || model.input->checks.free_nodes != "keep") valid_ = false;
   if (!valid_) return;
   drop_mirrored(model, opened);
-  std::vector<ContactNodeRecord> slaves;  // nodes that join
+  std::vector<ContactNodeRecord> slaves;  // nodes that leave or join
+  untrack_free(model, slaves);
   for (const std::int32_t i : surface_nodes(model, opened))
     if (track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.size() - 1, slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, opened);
@@ -440,6 +444,28 @@ void ContactEngine::surface_changed(const Model& model, double time, const std::
   }
   search_->change(dead, facets, slaves);
   connect(model, false);
+}
+
+/// Stops tracking nodes that have become free and do not take part any more. Their slaves are added without a role.
+void ContactEngine::untrack_free(const Model& model, std::vector<ContactNodeRecord>& leaving) {
+  if (keeps_free(model)) return;
+  for (std::size_t k = tracked_.size(); k-- > 0;) {
+    const std::int32_t node = tracked_[k].node;
+    if (!model.nodes.free[node]) continue;
+    const std::size_t n_before = leaving.size();
+    add_slave(model, k, leaving);
+    if (leaving.size() > n_before) leaving.back().role = 0;
+    track_of_[tracked_.back().node] = static_cast<std::int32_t>(k);
+    track_of_[node] = -1;
+    tracked_[k] = tracked_.back();
+    own_boxes_[k] = own_boxes_.back();
+    home_[k] = home_.back();
+    undeformed_[k] = undeformed_.back();
+    tracked_.pop_back();
+    own_boxes_.pop_back();
+    home_.pop_back();
+    undeformed_.pop_back();
+  }
 }
 
 Vec3 ContactEngine::predicted_v(const Model& model, int node) const {

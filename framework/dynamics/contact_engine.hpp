@@ -93,7 +93,9 @@ class ContactEngine {
   std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   void foresee(const Model& model, std::size_t tracked, double time, unsigned boxes = in_common_frame | in_own_frame);
   bool track(const Model& model, int node, double time);
+  bool keeps_free(const Model& model) const;
   bool takes_free(const Model& model, int node) const;
+  void untrack_free(const Model& model, std::vector<ContactNodeRecord>& leaving);
   void choose_references(const Model& model, const std::vector<std::int32_t>& surface);
   void add_slave(const Model& model, std::size_t tracked, std::vector<ContactNodeRecord>& records) const;
   double longest_edge(const std::int32_t* corners) const;

@@ -132,7 +132,7 @@ void ChecksInput::describe(Schema<ChecksInput>& s) {
       .optional();
   s.choice(&ChecksInput::free_nodes, "free_nodes", {"keep", "drop", "drop_beyond"},
            "what becomes of nodes without live elements: point masses in contact, or dropped and accounted for")
-      .by_default("keep");
+      .by_default("drop");
   s.real(&ChecksInput::drop_distance, "drop_distance", "m", positive,
          "free nodes farther than this from the box round all live material are dropped (for drop_beyond)")
       .optional();

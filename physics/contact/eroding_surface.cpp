@@ -173,7 +173,8 @@ struct ErodingSurface final : Contact {
     while (from != end) {
       const std::int32_t* to = from;
       while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
-      const bool same_part = view.facet_part[*from] == view.node_part[view.slave[i]];
+      // A free node has no facets of its own: to it, the surface of its part is closed like another body's.
+      const bool same_part = view.facet_part[*from] == view.node_part[view.slave[i]] && !view.around_slave(i).empty();
       // Most slaves are near no facet of a body that could push them, and cost no more than this.
       const bool any = FacetSlabs::until({from, to}, [&](const std::int32_t* some, unsigned in_use) {
         const FacetSlabs::Seen seen(slabs, some, s);
@@ -183,10 +184,10 @@ struct ErodingSurface final : Contact {
         if (pushing == 0) return false;
         if (!has_own) own = own_normal(view, i);
         has_own = true;
-        return !same_part || dot(own, own) == 0.0 || (pushing & mask_of(seen.along(own) < opposing)) != 0;
+        return !same_part || (pushing & mask_of(seen.along(own) < opposing)) != 0;
       });
       Touch t;
-      const int facet = any ? locate(view, view.slave[i], own, {from, to}, slabs, near, t) : -1;
+      const int facet = any ? locate(view, view.slave[i], own, same_part, {from, to}, slabs, near, t) : -1;
       if (facet >= 0) push(facet, t);
       from = to;
     }
@@ -197,10 +198,9 @@ struct ErodingSurface final : Contact {
 
   /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
   /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
-  int locate(const ContactView& view, int node, Vec3 own, std::span<const std::int32_t> facets, const FacetSlabs& slabs,
-             Near& near, Touch& best) const {
+  int locate(const ContactView& view, int node, Vec3 own, bool same_part, std::span<const std::int32_t> facets,
+             const FacetSlabs& slabs, Near& near, Touch& best) const {
     const Vec3 s = view.x(node);
-    const bool same_part = view.facet_part[facets.front()] == view.node_part[node];
     list_near(s, own, same_part, facets, slabs, near);
     const int found = closest_of(view, near, s, slabs, best);
     if (found < 0) return -1;

@@ -66,7 +66,7 @@ def perforation(precision, hourglass):
         "sets": {"rim": {"parts": ["plate"], "face": "x_min"}},
         "boundaries": [{"type": "fixed", "nodes": ["rim"]}],
         "contacts": [{"type": "eroding_surface", "friction": 0.1}],
-        "checks": {"energy_growth": 0.5},
+        "checks": {"energy_growth": 0.5, "free_nodes": "keep"},
     }
 
 
