@@ -13,19 +13,20 @@ const std::int32_t* corners_of(const ContactView& view, const ContactTouch& t) {
 }
 
 /// What a touch asks of the mass of its node, and in proportion to their weights of the masses of the corners: the
-/// lesser of the two masses that meet [mass quanta].
+/// lesser of the two masses that meet [mass quanta]. An edge has the mean of its nodes' masses.
 std::int64_t share_of(const ContactView& view, const ContactTouch& t, double quantum) {
   const std::int32_t* n = corners_of(view, t);
-  double across = 0.0;
+  double own = view.mass[t.node], across = 0.0;
+  if (t.second >= 0) own += t.second_weight * (view.mass[t.second] - own);
   for (int k = 0; k < 4; ++k) across += t.weights[k] * view.mass[n[k]];
-  return std::max(std::llrint(std::min(view.mass[t.node], across) / quantum), 1LL);
+  return std::max(std::llrint(std::min(own, across) / quantum), 1LL);
 }
 std::int64_t share_of_corner(std::int64_t share, double weight) {
   return std::llrint(static_cast<double>(share) * weight);
 }
 
-/// The mass that moves in a touch: 1 / (1/m_s + sum of w_k^2 / m_k), of the shares of mass that the touch has [kg].
-/// Infinite where boundary conditions hold all nodes.
+/// The mass that moves in a touch: 1 / (1/m_s + sum of w_k^2 / m_k), of the shares of mass that the touch has [kg];
+/// with an edge, 1/m_s is the sum of w^2/m of its two nodes. Infinite where boundary conditions hold all nodes.
 double effective_mass(const ContactView& view, const ContactTouch& t, const MassSplit& split, Vec3 along) {
   const std::int32_t* n = corners_of(view, t);
   const auto share = static_cast<double>(share_of(view, t, split.quantum));
@@ -33,11 +34,12 @@ double effective_mass(const ContactView& view, const ContactTouch& t, const Mass
     return static_cast<double>(split.shares[node]) / (share * view.mass[node]) * view.mobility(node, along);
   };
   double inverse = part(t.node);
+  if (t.second >= 0) inverse = (1.0 - t.second_weight) * inverse + t.second_weight * part(t.second);
   for (int k = 0; k < 4; ++k) inverse += t.weights[k] * part(n[k]);
   return 1.0 / inverse;
 }
 
-/// Velocity of the node relative to the point that it touches [m/s].
+/// Velocity of the node, or of the point of the edge, relative to the point that it touches [m/s].
 Vec3 relative_velocity(const ContactView& view, const ContactTouch& t, const double* velocity) {
   const auto v = [velocity](std::int32_t node) {
     const double* row = velocity + 4 * static_cast<std::int64_t>(node);
@@ -45,6 +47,7 @@ Vec3 relative_velocity(const ContactView& view, const ContactTouch& t, const dou
   };
   const std::int32_t* n = corners_of(view, t);
   Vec3 sum = v(t.node);
+  if (t.second >= 0) sum = sum * (1.0 - t.second_weight) + v(t.second) * t.second_weight;
   for (int k = 0; k < 4; ++k) sum = sum - v(n[k]) * t.weights[k];
   return sum;
 }
@@ -61,28 +64,34 @@ double wanted_speed(const ContactTouch& t, const ContactResponse& r, double clos
 
 }  // namespace
 
-void ContactForces::add_to(std::int64_t* sums, int node, const std::int32_t* facet_nodes, const double (&weights)[4],
-                           Vec3 force) {
+void ContactForces::add_to(std::int64_t* sums, const ContactTouch& touch, const std::int32_t* facet_nodes, Vec3 force) {
   for (int d = 0; d < 3; ++d) {
     std::int64_t sum = 0;
     for (int k = 0; k < 4; ++k) {
-      const double share = force[d] * weights[k] * scale_.per_quantum;
+      const double share = force[d] * touch.weights[k] * scale_.per_quantum;
       if (!(std::fabs(share) < ForceScale::limit)) {
-        overflow_node_ = node;
+        overflow_node_ = touch.node;
         return;
       }
       const auto quanta = static_cast<std::int64_t>(std::llrint(share));
       sums[4 * facet_nodes[k] + d] -= quanta;
       sum += quanta;
     }
-    sums[4 * node + d] += sum;
+    if (touch.second >= 0) {
+      const auto quanta = static_cast<std::int64_t>(std::llrint(static_cast<double>(sum) * touch.second_weight));
+      sums[4 * touch.second + d] += quanta;
+      sum -= quanta;
+    }
+    sums[4 * touch.node + d] += sum;
   }
 }
 
 void add_shares(const ContactView& view, const ContactTouches& touches, const MassSplit& split) {
   for (const ContactTouch& t : touches.touches()) {
     const std::int64_t share = share_of(view, t, split.quantum);
-    split.shares[t.node] += share;
+    const std::int64_t of_second = t.second >= 0 ? share_of_corner(share, t.second_weight) : 0;
+    split.shares[t.node] += share - of_second;
+    if (t.second >= 0) split.shares[t.second] += of_second;
     for (int k = 0; k < 4; ++k) split.shares[corners_of(view, t)[k]] += share_of_corner(share, t.weights[k]);
   }
 }
@@ -115,10 +124,10 @@ void Impacts::add_round(const double* velocity, ContactForces& forces) {
     const double closing = -dot(v, t.direction), before = i.push;
     i.push = max_of(i.push + i.mass * (closing - i.wanted), 0.0);
     const double per_impulse = 1.0 / view_.kick_dt;
-    forces.add(t.node, corners_of(view_, t), t.weights, t.direction * ((i.push - before) * per_impulse));
+    forces.add(t, corners_of(view_, t), t.direction * ((i.push - before) * per_impulse));
     if (!(response_.friction > 0.0)) continue;
     const Vec3 grip = friction(i, t, v + t.direction * closing);
-    forces.add_friction(t.node, corners_of(view_, t), t.weights, (grip - i.grip) * per_impulse);
+    forces.add_friction(t, corners_of(view_, t), (grip - i.grip) * per_impulse);
     i.grip = grip;
   }
 }

@@ -14,27 +14,28 @@
 
 namespace kerf {
 
-/// Takes impulses, node against facet, as forces that are equal and opposite to the last bit.
+/// Takes impulses, node or edge against facet, as forces that are equal and opposite to the last bit.
 class ContactForces {
  public:
   /// `friction` gets the share of friction in `force`; it may be null where there is none.
   ContactForces(std::int64_t* force, std::int64_t* friction, ForceScale scale)
       : force_(force), friction_(friction), scale_(scale) {}
 
-  /// Adds `force` [N] to a node and its reaction, split by `weights`, to the four nodes of a facet.
-  void add(int node, const std::int32_t* facet_nodes, const double (&weights)[4], Vec3 force) {
-    add_to(force_, node, facet_nodes, weights, force);
+  /// Adds `force` [N] to the node or the edge of a touch and its reaction, split by the weights, to the four nodes of
+  /// the facet.
+  void add(const ContactTouch& touch, const std::int32_t* facet_nodes, Vec3 force) {
+    add_to(force_, touch, facet_nodes, force);
   }
   /// The same with a force of friction.
-  void add_friction(int node, const std::int32_t* facet_nodes, const double (&weights)[4], Vec3 force) {
-    add_to(force_, node, facet_nodes, weights, force);
-    add_to(friction_, node, facet_nodes, weights, force);
+  void add_friction(const ContactTouch& touch, const std::int32_t* facet_nodes, Vec3 force) {
+    add_to(force_, touch, facet_nodes, force);
+    add_to(friction_, touch, facet_nodes, force);
   }
   /// Local number of a node with a force that is not finite or too large, or -1.
   int overflow_node() const { return overflow_node_; }
 
  private:
-  void add_to(std::int64_t* sums, int node, const std::int32_t* facet_nodes, const double (&weights)[4], Vec3 force);
+  void add_to(std::int64_t* sums, const ContactTouch& touch, const std::int32_t* facet_nodes, Vec3 force);
 
   std::int64_t *force_, *friction_;
   ForceScale scale_;

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "closing_pairs.hpp"
+#include "edge_touches.hpp"
 #include "own_surface.hpp"
 
 namespace {
@@ -24,7 +25,7 @@ struct ErodingSurface final : Contact {
   static constexpr double opposing = -0.2;  // cosine between the normals of surfaces that may touch
   static constexpr double straight_below = -0.95;  // cosine between the way to the closest point and the normal
   static constexpr double straight_angle = 3.14159265358979323846;
-  bool self_contact = true;
+  bool self_contact = true, edges = true;
 
   static void describe(Schema<ErodingSurface>& s) {
     s.texts(&ErodingSurface::parts, "parts", "parts or sets in contact with one another; all where absent").optional();
@@ -42,6 +43,7 @@ struct ErodingSurface final : Contact {
            "greatest penetration that is held, over the least of the thickness V/A of the facet's element, the "
            "facet's longest edge and the longest edge of the undeformed facet")
         .by_default("0.6");
+    s.boolean(&ErodingSurface::edges, "edges", "whether sharp edges that cross touch, too").by_default("true");
     s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
         .by_default("10");
   }
@@ -76,6 +78,7 @@ struct ErodingSurface final : Contact {
         hold_or_let_go(view, slabs, penalty, touch, touches);
       });
     }
+    if (edges) EdgeTouches(view, slabs, opposing).find(touches);
   }
 
   ContactResponse response() const override {

@@ -25,6 +25,10 @@ void compare_contact_forces(const Simulation& simulation, const Step& step, Forc
     if (f != Force{}) loaded.push_back({model.nodes.id[load.nodes[k]], f});
   }
   loaded = gather_to_root(model.comm, loaded);
+  std::vector<std::int32_t> edges;
+  for (const ContactTouch& t : simulation.contacts().front()->touches().touches())
+    if (t.second >= 0) edges.push_back(t.second);
+  comparison.n_edges += static_cast<std::int64_t>(gather_to_root(model.comm, edges).size());
   const GlobalModel global = gather_globally(model);
   if (model.rank() != 0) return;
   ++comparison.n_looks;

@@ -10,6 +10,7 @@ namespace kerf::test {
 
 struct ForceComparison {
   std::int64_t n_looks = 0, n_loaded = 0;  // looks, and nodes with a force, added up over looks
+  std::int64_t n_edges = 0;  // touches of edges with edges, added up over looks
   std::int64_t n_different = 0;  // looks with any difference
   std::string first_difference;  // sentence about it
 };

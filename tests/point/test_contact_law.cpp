@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "kerf/contact.hpp"
 #include "support/make_law.hpp"
@@ -104,6 +106,163 @@ TEST(ErodingSurface, StaysBoundedForANodeOnTheSurface) {
     ++pushed;
   }
   EXPECT_GT(pushed, 5000);
+}
+
+/// Two roofs of two facets each, 2 long: a lower one with its ridge along y, and an upper one upside down with its
+/// ridge along x. All four ends of the ridges are slaves. The ridges cross in the middle, the upper one 0.1 too deep.
+struct CrossedRoofs {
+  std::vector<Vec3> x;
+  std::vector<std::int64_t> node_id;
+  std::array<std::int32_t, 16> facet_nodes = {0, 2, 3, 1, 2, 4, 5, 3, 6, 8, 9, 7, 8, 10, 11, 9};
+  std::array<std::int64_t, 4> facet_id = {1, 9, 17, 25};
+  std::array<std::int32_t, 4> facet_part = {0, 0, 1, 1};
+  std::array<std::int32_t, 12> node_part = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
+  std::vector<std::int32_t> slave = {2, 3, 8, 9};
+  std::array<double, 4> volume = {4, 4, 4, 4}, edge = {2, 2, 2, 2};
+  double down = -1.0;  // velocity of the upper roof
+
+  /// `drop`: how far the eaves are from the ridge, along z; `angle` between the ridges.
+  explicit CrossedRoofs(double drop = 1.0, double angle = 0.5 * 3.14159265358979) {
+    for (const double across : {-1.0, 0.0, 1.0})
+      for (const double along : {-1.0, 1.0}) x.push_back({across, along, across == 0.0 ? 0.0 : -drop});
+    // The same, turned over about the x axis, and its ridge turned away from the lower one's by the angle.
+    for (const double across : {-1.0, 0.0, 1.0})
+      for (const double along : {1.0, -1.0})
+        x.push_back({across * std::cos(angle) - along * std::sin(angle),
+                     across * std::sin(angle) + along * std::cos(angle), (across == 0.0 ? 0.0 : drop) - 0.1});
+    for (std::int64_t n = 0; n < 12; ++n) node_id.push_back(100 + n);
+  }
+
+  ContactTouches touches(const Contact& law) const {
+    alignas(32) std::array<double, 48> position = {}, velocity = {};
+    for (std::size_t n = 0; n < 12; ++n) {
+      for (int d = 0; d < 3; ++d) position[4 * n + static_cast<std::size_t>(d)] = x[n][d];
+      velocity[4 * n + 2] = n < 6 ? 0.0 : down;
+    }
+    const std::vector<double> mass(12, 1.0), bulk_modulus(4, 1e3);
+    // Each ridge is held by the facets of its own roof, and may touch those of the other.
+    const std::vector<std::int32_t> facets = {0, 1, 2, 3};
+    std::vector<ContactRow> candidates, around;
+    for (const std::int32_t s : slave) {
+      around.push_back(s < 6 ? ContactRow{0, 2} : ContactRow{2, 4});
+      candidates.push_back(s < 6 ? ContactRow{2, 4} : ContactRow{0, 2});
+    }
+    ContactView view;
+    view.dt = view.kick_dt = 1e-3;
+    view.n_nodes = 12;
+    view.node_id = node_id.data();
+    view.position = position.data();
+    view.velocity = velocity.data();
+    view.mass = mass.data();
+    view.node_part = node_part.data();
+    view.n_facets = 4;
+    view.facet_id = facet_id.data();
+    view.facet_nodes = facet_nodes.data();
+    view.facet_part = facet_part.data();
+    view.facet_bulk_modulus = bulk_modulus.data();
+    view.facet_volume = volume.data();
+    view.facet_edge = edge.data();
+    view.n_slaves = static_cast<int>(slave.size());
+    view.slave = slave.data();
+    view.candidate_rows = candidates.data();
+    view.around_rows = around.data();
+    view.candidate = view.around = facets.data();
+    ContactTouches found;
+    law.find_touches(view, found);
+    return found;
+  }
+};
+
+TEST(ErodingSurfaceEdges, TouchWhereTheyCrossThoughNoNodeIsInside) {
+  const CrossedRoofs roofs;
+  const auto found = roofs.touches(*make_law<Contact>("contact", "eroding_surface"));
+  ASSERT_EQ(found.touches().size(), 1u);  // once, whoever of the four ends sees it
+  const ContactTouch& t = found.touches().front();
+  EXPECT_EQ(std::min(t.node, t.second), 2);
+  EXPECT_EQ(std::max(t.node, t.second), 3);
+  EXPECT_NEAR(t.second_weight, 0.5, 1e-15);
+  EXPECT_EQ(t.facet, 2);  // of the two that hold the upper ridge, the one with the lower id
+  const double weights[4] = {0.0, 0.5, 0.5, 0.0};  // of its corners 6, 8, 9, 7
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(t.weights[k], weights[k], 1e-15);
+  EXPECT_NEAR(t.direction.z, -1.0, 1e-15);  // the lower ridge is pushed out of the upper roof
+  EXPECT_NEAR(t.depth, 0.1, 1e-15);
+  EXPECT_TRUE(roofs.touches(*make_law<Contact>("contact", "eroding_surface", "{edges: false}")).touches().empty());
+}
+
+// Which rank owns which end, and how it numbers nodes, must not matter.
+TEST(ErodingSurfaceEdges, AreReportedByOneEndWithTheSameBits) {
+  const auto law = make_law<Contact>("contact", "eroding_surface");
+  CrossedRoofs roofs(0.9, 1.1);
+  for (Vec3& x : roofs.x) x = x + Vec3{0.123, 0.456, 0.789};
+  for (int n = 6; n < 12; ++n) roofs.x[static_cast<std::size_t>(n)].x += 0.3;
+  for (const std::int64_t lowest : {2, 3, 8, 9}) {
+    CrossedRoofs other = roofs;
+    other.node_id[static_cast<std::size_t>(lowest)] = 1;
+    const auto all = other.touches(*law);
+    ASSERT_EQ(all.touches().size(), 1u);
+    std::size_t n_found = 0;
+    for (const std::int32_t one : {2, 3, 8, 9}) {
+      other.slave = {one};
+      const auto found = other.touches(*law);
+      n_found += found.touches().size();
+      EXPECT_EQ(found.touches().size(), one == lowest ? 1u : 0u);
+      if (found.touches().empty()) continue;
+      EXPECT_EQ(found.touches().front().depth, all.touches().front().depth);
+      EXPECT_EQ(found.touches().front().second_weight, all.touches().front().second_weight);
+    }
+    EXPECT_EQ(n_found, 1u);
+  }
+}
+
+TEST(ErodingSurfaceEdges, AreLetAloneWhereNothingIsInside) {
+  const auto law = make_law<Contact>("contact", "eroding_surface");
+  const auto n_found = [&](const CrossedRoofs& roofs) {
+    const auto found = roofs.touches(*law);
+    return std::count_if(found.touches().begin(), found.touches().end(), [](const auto& t) { return t.second >= 0; });
+  };
+  EXPECT_EQ(n_found(CrossedRoofs(1.0, 0.6)), 1);
+  EXPECT_EQ(n_found(CrossedRoofs(1.0, 0.05)), 0) << "nearly parallel";
+  EXPECT_EQ(n_found(CrossedRoofs(0.3)), 1);
+  EXPECT_EQ(n_found(CrossedRoofs(0.25)), 0) << "28 degrees count as smooth";
+  EXPECT_EQ(n_found(CrossedRoofs(-1.0)), 0) << "valleys";
+  const auto moved = [&](double drop, Vec3 way) {
+    CrossedRoofs roofs(drop);
+    for (std::size_t n = 6; n < 12; ++n) roofs.x[n] = roofs.x[n] + way;
+    return n_found(roofs);
+  };
+  EXPECT_EQ(moved(1.0, {0, 0, 0.11}), 0) << "apart";
+  EXPECT_EQ(moved(1.0, {0, 0, -3.0}), 0) << "deeper than any edge is held";
+  // The upper ridge passes the end of the lower one, 0.1 above it. The end is in the wedge as far as it has gone down.
+  EXPECT_EQ(moved(1.0, {0, 0.99, 0}), 1);
+  EXPECT_EQ(moved(1.0, {0, 1.09, 0}), 1) << "the end is inside";
+  EXPECT_EQ(moved(1.0, {0, 1.11, 0}), 0) << "the end is beside";
+  EXPECT_EQ(moved(3.0, {0, 1.03, 0}), 1) << "the end is inside of a wedge of 37 degrees";
+  EXPECT_EQ(moved(3.0, {0, 1.04, 0}), 0) << "the end is beside a wedge of 37 degrees";
+  // Wedges of 37 degrees that lean: their sides both go down from the ridge, and then one of them goes up.
+  for (const double lean : {0.0, 0.5, 1.3}) {
+    CrossedRoofs acute(3.0);
+    for (std::size_t n = 0; n < 6; ++n) {
+      const Vec3 x = acute.x[n];
+      acute.x[n].x = x.x * std::cos(lean) - x.z * std::sin(lean);
+      acute.x[n].z = x.x * std::sin(lean) + x.z * std::cos(lean);
+    }
+    EXPECT_EQ(n_found(acute), lean < 1.0 ? 1 : 0) << lean;
+  }
+}
+
+TEST(ErodingSurfaceEdges, AreLetGoOfBelowTheGreatestDepth) {
+  const auto law = make_law<Contact>("contact", "eroding_surface");
+  CrossedRoofs roofs;
+  // The facets are 2 by 1.414 in size, of elements 1.414 thick: an edge is held to 0.6 of that.
+  for (std::size_t n = 6; n < 12; ++n) roofs.x[n].z -= 0.8 - 0.1;
+  EXPECT_EQ(roofs.touches(*law).touches().size(), 1u);
+  for (std::size_t n = 6; n < 12; ++n) roofs.x[n].z -= 0.1;
+  roofs.down = -100.0;  // from 0.8 to 0.9 in this step
+  EXPECT_EQ(roofs.touches(*law).touches().size(), 0u);
+  ASSERT_EQ(roofs.touches(*law).all_let_go().size(), 1u);
+  EXPECT_NEAR(roofs.touches(*law).all_let_go().front().depth, 0.9, 1e-12);
+  roofs.down = -1.0;  // it had been let go of before
+  EXPECT_TRUE(roofs.touches(*law).all_let_go().empty());
 }
 
 // Which facets beyond their reach are candidates is a matter of the search's margins, hence of chance.

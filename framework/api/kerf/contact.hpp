@@ -65,13 +65,16 @@ struct ContactView {
   }
 };
 
-/// A node that will be inside of a body at the end of the coming step if contact does nothing.
+/// A node, or a point of an edge between two nodes, that will be inside of a body at the end of the coming step if
+/// contact does nothing.
 struct ContactTouch {
   std::int32_t node = 0, facet = 0;  // numbers in the view
   double weights[4] = {};  // of the facet's corners at the closest point; their sum is 1
   Vec3 direction;  // unit vector out of the body
   double depth = 0.0;  // below the surface, along `direction` [m]
   double stiffness = 0.0;  // with which a depth that is there already is taken back [N/m]
+  std::int32_t second = -1;  // the edge's other node, or -1 where a node touches
+  double second_weight = 0.0;  // of the edge's other node at the touching point; `node` has the rest of 1
 };
 
 /// What a law finds in one step.

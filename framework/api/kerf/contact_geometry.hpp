@@ -1,4 +1,5 @@
-// Geometry that contact algorithms share: the corners of a facet, its area, thickness and normal.
+// Geometry that contact algorithms share: the corners of a facet, its area, thickness and normal; how fast a touch
+// closes.
 #pragma once
 
 #include <cmath>
@@ -30,5 +31,14 @@ struct FacetGeometry {
     for (int k = 0; k < 4; ++k) size = max_of(size, norm(x[(k + 1) % 4] - x[k]));
   }
 };
+
+/// Speed at which the node or the edge of a touch goes deeper [m/s].
+inline double closing_speed(const ContactView& view, const ContactTouch& t) {
+  const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
+  Vec3 v = view.v(t.node);
+  if (t.second >= 0) v = v * (1.0 - t.second_weight) + view.v(t.second) * t.second_weight;
+  for (int k = 0; k < 4; ++k) v = v - view.v(n[k]) * t.weights[k];
+  return -dot(v, t.direction);
+}
 
 }  // namespace kerf
