@@ -49,6 +49,14 @@ double cycles_of(const Simulation& simulation, const TimeInput& time) {
   return time.maximum_cycles > 0 ? std::min(cycles, static_cast<double>(time.maximum_cycles)) : cycles;
 }
 
+/// One restart file holds every node and element with all its state [bytes].
+double restart_size(const Model& model) {
+  double bytes = static_cast<double>(model.n_nodes) * 20.0 * 8.0;
+  for (const PartModel& p : model.parts)
+    bytes += static_cast<double>(p.n_elements) * (9.0 + static_cast<double>(p.store->record_size())) * 8.0;
+  return bytes;
+}
+
 void print_report(Simulation& simulation, const ModelInput& input, double memory) {
   const Model& model = simulation.model();
   const double results = input.output.results_interval > 0.0 ? input.output.results_interval : input.time.end / 20.0;
@@ -65,6 +73,9 @@ void print_report(Simulation& simulation, const ModelInput& input, double memory
   fmt::print("memory, about        {:.1f} MB\n", memory * 1e-6);
   fmt::print("output, about        {:.1f} MB in {:.0f} frames\n",
              (frame * frames + static_cast<double>(model.n_elements) * 84.0) * 1e-6, frames);
+  const int restarts = input.output.restart_interval > 0.0 ? 2 : input.output.restart_at_end ? 1 : 0;
+  fmt::print("restart, about       {:.1f} MB in {} file{}\n", restarts * restart_size(model) * 1e-6, restarts,
+             restarts == 1 ? "" : "s");
   fmt::print("mass                 {:.6g} kg\n", simulation.ledger().initial_mass);
   const Ledger& ledger = simulation.ledger();
   fmt::print("kinetic energy       {:.6g} J\n", ledger.initial_energy - ledger.initial_internal);
