@@ -92,6 +92,6 @@ def cut_plane(results: Results, impact: np.ndarray, normal=None, origin=None) ->
 def find_viewpoint(results: Results, cut_normal=None, cut_origin=None) -> Viewpoint:
     impact = impact_direction(results)
     normal, origin = cut_plane(results, impact, cut_normal, cut_origin)
-    up = upright(impact, [1.0, 0.0, 0.0])
+    up = np.array([0.0, 0.0, 1.0]) if abs(impact[2]) < 0.8 else np.array([1.0, 0.0, 0.0])
     low, high = box_of(results, (results.grid(frame) for frame in (len(results.times) // 2, len(results.times) - 1)))
     return Viewpoint(impact, up, normal, origin, low, high)

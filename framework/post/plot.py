@@ -17,14 +17,18 @@ import sys
 import textwrap
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-import charts  # noqa: E402
-import pictures  # noqa: E402
-from results import Results, ResultsError, read_history, read_summary  # noqa: E402
+try:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import charts
+    import pictures
+    from results import Results, ResultsError, read_history, read_summary
+except ModuleNotFoundError as error:
+    sys.exit(f"kerf plot: the Python package {error.name} is missing; ./kerf build installs it, unless KERF_PYTHON "
+             "names another Python")
 
 
 # What stands after an option and is its value: -1e-3 too, which argparse of Python 3.11 takes for an option.
@@ -66,7 +70,6 @@ def parse_arguments() -> argparse.Namespace:
 def title_of(folder: Path, summary: dict) -> str:
     """The title of the input and what came of it, for the head of every picture."""
     name = summary.get("title") or Path(summary.get("input", "") or folder.resolve().name).stem
-    name = charts.plain(textwrap.fill(name, 90))
     end = summary.get("end_time")
     facts = []
     if isinstance(end, (int, float)):
@@ -74,7 +77,8 @@ def title_of(folder: Path, summary: dict) -> str:
     eroded = summary.get("eroded", {}).get("elements")
     if eroded is not None:
         facts.append(f"{eroded} elements eroded")
-    return name + ("  ·  " + ", ".join(facts) if facts else "")
+    whole = name + ("  ·  " + ", ".join(facts) if facts else "")
+    return charts.plain(textwrap.fill(whole, 80, replace_whitespace=False))  # what fits above the narrowest picture
 
 
 def draw(folder: Path, arguments: argparse.Namespace, into: Path, drawn: list[str], notes: list[str]) -> None:

@@ -86,7 +86,6 @@ class Results:
         information = self._reader.GetOutputInformation(0)
         steps = vtkStreamingDemandDrivenPipeline.TIME_STEPS()
         self.times = np.array(information.Get(steps) or [0.0])
-        self.summary = read_summary(self.folder)
         self._part_names: dict[int, str] | None = None
 
     def nearest_frame(self, time: float) -> int:
