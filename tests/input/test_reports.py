@@ -180,3 +180,15 @@ def test_a_time_that_never_came_is_null(write):
 
 def test_the_title_is_in_the_summary(write):
     assert run(write(GOOD))[1]["title"] == "two blocks"
+
+
+def test_a_resumed_run_counts_from_time_zero_but_for_its_own_speed(write):
+    folder = write(GOOD)
+    changes = {"parameters.speed": "0 0 -1000 m/s", "materials.copper.erosion.criteria[0].limit": 0.3}
+    first = run(folder, *settings({**changes, "time.end": "1.5 us"}))[1]
+    both = run(folder, "--resume", *settings({**changes, "time.end": "3 us"}))[1]
+    assert 0 < first["eroded"]["elements"] < both["eroded"]["elements"]
+    for counts in ("by_part", "by_criterion"):
+        assert sum(both["eroded"][counts].values()) == both["eroded"]["elements"]
+    own = both["element_cycles"] - first["element_cycles"]
+    assert both["element_cycles_per_second"] * both["wall_seconds"] == pytest.approx(own, rel=1e-9)
