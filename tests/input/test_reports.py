@@ -124,8 +124,9 @@ def test_energy_that_a_material_starts_with_is_not_dissipated(erosion, write):
     hourglass = []
     for energy in ("0", "1.0e+9 J/m3"):
         text = spoiled([(EOS, f"eos: {{type: linear_polynomial, C1: 130 GPa, initial_energy: {energy}}}")])
-        _, summary = run(write(text), *settings({"parameters.speed": "0 0 -600 m/s", "time.end": "4 us",
-                                                 "materials.copper.erosion.criteria[0].limit": 0.4 if erosion else 100}))
+        changes = {"parameters.speed": "0 0 -600 m/s", "time.end": "4 us",
+                   "materials.copper.erosion.criteria[0].limit": 0.4 if erosion else 100}
+        _, summary = run(write(text), *settings(changes))
         assert (summary["eroded"]["elements"] > 0) == erosion
         assert summary["mass"]["dropped"] == 0.0
         hourglass.append(summary["hourglass"])
@@ -151,10 +152,12 @@ def test_a_measure_that_is_not_known_is_null_and_says_why(write):
     assert summary["not_measured"]["plate.perforated"] == reason
     assert set(summary["not_measured"]) == {name for name, value in summary["measures"].items() if value is None}
     assert re.search(r"^  plate\.perforated +null$", printed, re.M)
-    assert f"  null: {reason} (plate.entry_area, plate.entry_largest, plate.entry_smallest, plate.perforated)\n" in printed
+    names = "plate.entry_area, plate.entry_largest, plate.entry_smallest, plate.perforated"
+    assert f"  null: {reason} ({names})\n" in printed
 
 
-@pytest.mark.parametrize("normals", [["symmetry_normal: 0 0 1"], ["symmetry_normal: 1 0 0", "second_symmetry_normal: 1 1 0"]])
+@pytest.mark.parametrize("normals", [["symmetry_normal: 0 0 1"],
+                                     ["symmetry_normal: 1 0 0", "second_symmetry_normal: 1 1 0"]])
 def test_planes_of_symmetry_that_do_not_fit_are_refused(normals, write):
     folder = write(GOOD + f"  plate: {{type: hole_diameter, part: target, {', '.join(normals)}}}\n")
     done = kerf("check", "case.yaml", cwd=folder)

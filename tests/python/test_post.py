@@ -25,16 +25,19 @@ def block(cells, low, high):
     return nodes, np.stack(ids, -1).reshape(-1, 8)
 
 
-def write_results(path, with_strain, plate_cells_along=(3, 12, 12)):
-    plate, plate_cells = block(plate_cells_along, (0.0, -0.03, -0.03), (0.009, 0.03, 0.03))
+def write_results(path, with_strain, plate_alone=None):
+    plate, plate_cells = block(plate_alone or (3, 12, 12), (0.0, -0.03, -0.03), (0.009, 0.03, 0.03))
     rod, rod_cells = block((8, 2, 2), (-0.03, -0.004, -0.004), (0.0, 0.004, 0.004))
+    if plate_alone:
+        rod, rod_cells = rod[:0], rod_cells[:0]
     nodes, cells = np.vstack([plate, rod]), np.vstack([plate_cells, rod_cells + len(plate)])
     n_nodes, n_cells, frame = len(nodes), len(cells), np.arange(len(TIMES))
     part = (np.arange(n_cells) >= len(plate_cells)).astype("i4")
     moves = np.arange(n_nodes) >= len(plate)
     centre = nodes[cells].mean(axis=1)
     radius = np.hypot(centre[:, 1], centre[:, 2])
-    alive = [~((part == 0) & (radius < 0.006) & (centre[:, 0] < SPEED * t)) for t in TIMES]
+    hit = (part == 0) & (radius < 0.006) & (not plate_alone)
+    alive = [~(hit & (centre[:, 0] < SPEED * t)) for t in TIMES]
     fields = {"alive": np.concatenate(alive).astype("u1"),
               "vtkGhostType": np.where(np.concatenate(alive), 0, 32).astype("u1")}
     if with_strain:
@@ -206,9 +209,9 @@ def test_plot_does_not_trust_a_file_whose_tables_do_not_fit_together(tmp_path):
     assert done.returncode == 0 and "its tables of frames are not equally long" in said(done)
 
 
-def test_plot_draws_a_plate_of_one_cell(tmp_path):
+def test_plot_draws_a_model_of_one_cell(tmp_path):
     run = write_run(tmp_path / "run")
-    write_results(run / "results.vtkhdf", True, (1, 1, 1))
+    write_results(run / "results.vtkhdf", True, plate_alone=(1, 1, 1))
     done = run_tool("plot.py", run)
     assert done.returncode == 0 and said(done) == ""
 
@@ -227,7 +230,8 @@ def test_a_cut_keeps_the_global_axes_upright():
 
 def test_plots_bear_the_title_of_the_input(tmp_path):
     title_of = post_module("plot").title_of
-    assert title_of(tmp_path / "run", {"input": "in/rod.yaml", "title": "a rod", "end_time": 1e-6}) == "a rod  ·  1 µs"
+    summary = {"input": "in/rod.yaml", "title": "a rod", "end_time": 1e-6}
+    assert title_of(tmp_path / "run", summary) == "a rod  ·  1 µs"
     assert title_of(tmp_path / "run", {"input": "in/rod.yaml", "title": "", "end_time": None}) == "rod"
     assert title_of(tmp_path / "run", {}) == "run"
     # Text between dollar signs would be taken for a formula.
