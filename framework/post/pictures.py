@@ -8,6 +8,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkFiltersCore import vtkCutter
@@ -122,8 +123,8 @@ def plot_cut(results: Results, view: Viewpoint, field: str, limits, count: int, 
     columns = min(len(frames), 3 if width > 0.7 * height else 6)
     rows = -(-len(frames) // columns)
     panel = 3.6 if columns <= 3 else 2.6
-    figure = Figure(figsize=(panel * columns + 1.2, min(panel * height / width, 9.0) * rows + 1.2),
-                    layout="constrained")
+    tall = min(max(panel * height / width, 0.9), 9.0)  # inches; the marks and names beside a thin body need some room
+    figure = Figure(figsize=(panel * columns + 1.2, tall * rows + 1.2), layout="constrained")
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     empty = True
     for axes, frame in zip(panels.flat, frames):
@@ -136,6 +137,7 @@ def plot_cut(results: Results, view: Viewpoint, field: str, limits, count: int, 
                                            edgecolors=(0.0, 0.0, 0.0, 0.35), linewidths=line))
         axes.set_title(f"{results.times[frame] * 1.0e6:.4g} µs", fontsize=10)
         axes.set(xlim=box[0], ylim=box[1], aspect="equal")
+        axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(3.0 * panel * height / width, 1, 9)), min_n_ticks=1))
         axes.set_facecolor("#f7fafc")
     for axes in panels.flat[len(frames):]:
         axes.set_visible(False)

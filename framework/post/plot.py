@@ -77,8 +77,9 @@ def title_of(folder: Path, summary: dict) -> str:
     eroded = summary.get("eroded", {}).get("elements")
     if eroded is not None:
         facts.append(f"{eroded} elements eroded")
-    whole = name + ("  ·  " + ", ".join(facts) if facts else "")
-    return charts.plain(textwrap.fill(whole, 80, replace_whitespace=False))  # what fits above the narrowest picture
+    width = 95  # characters that fit above the narrowest picture
+    between = "  ·  " if len(name) + len(", ".join(facts)) + 5 <= width else "\n"
+    return charts.plain(textwrap.fill(name, width) + (between + ", ".join(facts) if facts else ""))
 
 
 def draw(folder: Path, arguments: argparse.Namespace, into: Path, drawn: list[str], notes: list[str]) -> None:
