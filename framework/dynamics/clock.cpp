@@ -21,12 +21,17 @@ Step Clock::plan(double stable) const {
   s.start = time_;
   s.last_dt = last_dt_;
   s.dt = input_.safety_factor * stable;
+  const auto shorten = [&s](double dt, StepLimit limit) {
+    if (!(dt < s.dt)) return;
+    s.dt = dt;
+    s.limit = limit;
+  };
   if (last_dt_ > 0.0)
-    s.dt = std::min(s.dt, input_.growth * last_dt_);
+    shorten(input_.growth * last_dt_, StepLimit::growth);
   else if (input_.initial_step > 0.0)
-    s.dt = std::min(s.dt, input_.initial_step);
-  if (input_.maximum_step > 0.0) s.dt = std::min(s.dt, input_.maximum_step);
-  s.dt = std::min(s.dt, std::max(input_.end - time_, 0.0));
+    shorten(input_.initial_step, StepLimit::initial_step);
+  if (input_.maximum_step > 0.0) shorten(input_.maximum_step, StepLimit::maximum_step);
+  shorten(std::max(input_.end - time_, 0.0), StepLimit::end);
   if (!(s.dt > 0.0)) s.dt = last_dt_;
   return s;
 }

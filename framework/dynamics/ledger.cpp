@@ -36,7 +36,8 @@ void Ledger::open(Model& model) {
       if (part.store->live(s))
         internal.push_back(part.store->field(PartStore::internal_energy).at(s, 0) +
                            part.initial_energy * part.store->field(PartStore::mass).at(s, 0));
-  initial_energy = order_free_sum(model.comm, kinetic) + order_free_sum(model.comm, internal);
+  initial_internal = order_free_sum(model.comm, internal);
+  initial_energy = order_free_sum(model.comm, kinetic) + initial_internal;
   initial_momentum = {order_free_sum(model.comm, px), order_free_sum(model.comm, py), order_free_sum(model.comm, pz)};
   initial_mass = order_free_sum(model.comm, mass);
   // A run that starts at rest is scaled by what its material could store: accounts hold up to 2048 times the scale,

@@ -83,8 +83,9 @@ void join_through_nodes(const MeasureModel& model, const std::vector<std::int32_
   }
 }
 
-/// Eigenvector of the largest eigenvalue, by Jacobi rotations (Golub & Van Loan, Matrix Computations, 8.5).
-Vec3 dominant_direction(SymTensor t) {
+/// Eigenvector of the largest eigenvalue, and the second largest over the largest, by Jacobi rotations (Golub & Van
+/// Loan, Matrix Computations, 8.5).
+LongAxis dominant_direction(SymTensor t) {
   double a[3][3] = {{t.xx, t.xy, t.zx}, {t.xy, t.yy, t.yz}, {t.zx, t.yz, t.zz}};
   double v[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
   for (int sweep = 0; sweep < 30; ++sweep) {
@@ -112,32 +113,90 @@ Vec3 dominant_direction(SymTensor t) {
   int best = 0;
   for (int i = 1; i < 3; ++i)
     if (a[i][i] > a[best][best]) best = i;
-  return unit({v[0][best], v[1][best], v[2][best]});
+  const double second = std::max(a[(best + 1) % 3][(best + 1) % 3], a[(best + 2) % 3][(best + 2) % 3]);
+  return {unit({v[0][best], v[1][best], v[2][best]}), a[best][best] > 0.0 ? second / a[best][best] : 1.0};
 }
 
-SymTensor second_moment(const MeasureModel& model, const std::vector<std::int32_t>& elements) {
-  double mass = 0.0;
+struct WeightedPoint {
+  Vec3 position;
+  double weight;
+};
+
+SymTensor second_moment(const std::vector<WeightedPoint>& points) {
+  double weight = 0.0;
   Vec3 mean;
-  for (const std::int32_t i : elements) {
-    const MeasureModel::Element& e = model.elements[static_cast<std::size_t>(i)];
-    mass += e.mass;
-    mean = mean + e.mass * centroid(model, e);
+  for (const WeightedPoint& p : points) {
+    weight += p.weight;
+    mean = mean + p.weight * p.position;
   }
-  mean = mean * (1.0 / mass);
+  mean = mean * (1.0 / weight);
   SymTensor sum;
-  for (const std::int32_t i : elements) {
-    const MeasureModel::Element& e = model.elements[static_cast<std::size_t>(i)];
-    const Vec3 d = centroid(model, e) - mean;
-    sum = sum + e.mass * SymTensor{d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.y * d.z, d.z * d.x};
+  for (const WeightedPoint& p : points) {
+    const Vec3 d = p.position - mean;
+    sum = sum + p.weight * SymTensor{d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.y * d.z, d.z * d.x};
   }
   return sum;
 }
+
+LongAxis long_axis_of(const std::vector<WeightedPoint>& points, Vec3 symmetry_normal) {
+  const SymTensor m = second_moment(points);
+  const Vec3 s = unit(symmetry_normal);
+  if (dot(s, s) == 0.0) return dominant_direction(m);
+  // Body and image together have no moment across the plane and its normal. The axis is looked for in the plane,
+  // so the moment is projected on it: P m P with P = 1 - s s.
+  const auto project = [s](Vec3 a) { return a - dot(a, s) * s; };
+  const Vec3 p[3] = {project({1.0, 0.0, 0.0}), project({0.0, 1.0, 0.0}), project({0.0, 0.0, 1.0})};
+  const auto moment = [&m](Vec3 a, Vec3 b) {
+    const Vec3 mb{m.xx * b.x + m.xy * b.y + m.zx * b.z, m.xy * b.x + m.yy * b.y + m.yz * b.z,
+                  m.zx * b.x + m.yz * b.y + m.zz * b.z};
+    return dot(a, mb);
+  };
+  return dominant_direction({moment(p[0], p[0]), moment(p[1], p[1]), moment(p[2], p[2]), moment(p[0], p[1]),
+                             moment(p[1], p[2]), moment(p[2], p[0])});
+}
+
+/// Adds a vertex of a surface for a node, once, and returns its number.
+class Vertices {
+ public:
+  Vertices(const MeasureModel& model, BodySurface& surface) : model_(model), surface_(surface) {}
+  std::int32_t of(std::int32_t n) {
+    const auto [at, is_new] = number_.try_emplace(n, static_cast<std::int32_t>(surface_.reference.size()));
+    if (is_new) {
+      const MeasureModel::Node& node = model_.nodes[static_cast<std::size_t>(n)];
+      surface_.reference.push_back(node.reference);
+      surface_.position.push_back(node.position);
+      surface_.label.push_back(4 * static_cast<std::int64_t>(n));  // the two lowest bits are for images
+    }
+    return at->second;
+  }
+
+ private:
+  const MeasureModel& model_;
+  BodySurface& surface_;
+  std::unordered_map<std::int32_t, std::int32_t> number_;
+};
+
+/// Whether a face, as its sorted nodes, is a line because its hexahedron is collapsed there. It bounds nothing.
+bool is_line(const Facet& key) { return (key[0] == key[1]) + (key[1] == key[2]) + (key[2] == key[3]) > 1; }
 
 }  // namespace
 
 Vec3 unit(Vec3 v) {
   const double length = norm(v);
   return length > 0.0 ? v * (1.0 / length) : v;
+}
+
+std::string nothing_left(const std::string& part) { return "no element of part " + part + " is left"; }
+
+bool any_node_left(const MeasureModel& model, int part) {
+  return std::any_of(model.nodes.begin(), model.nodes.end(),
+                     [part](const MeasureModel::Node& n) { return n.part == part && n.id >= 0; });
+}
+
+std::string no_node_left(const std::string& part) { return "all nodes of part " + part + " have been dropped"; }
+
+MeasuredValue value_of_remnant(double value, const std::string& part) {
+  return std::isnan(value) ? unknown("", nothing_left(part)) : MeasuredValue{"", value};
 }
 
 int measured_part(const MeasureModel& model, const std::string& part, const Plugin& measure) {
@@ -183,21 +242,34 @@ std::vector<std::int32_t> nodes_of(const MeasureModel& model, const std::vector<
   return nodes;
 }
 
-Vec3 long_axis(const MeasureModel& model, const std::vector<std::int32_t>& elements, Vec3 symmetry_normal) {
-  const SymTensor m = second_moment(model, elements);
-  const Vec3 s = unit(symmetry_normal);
-  if (dot(s, s) == 0.0) return dominant_direction(m);
-  // Body and image together have no moment across the plane and its normal. The axis is looked for in the plane,
-  // so the moment is projected on it: P m P with P = 1 - s s.
-  const auto project = [s](Vec3 a) { return a - dot(a, s) * s; };
-  const Vec3 p[3] = {project({1.0, 0.0, 0.0}), project({0.0, 1.0, 0.0}), project({0.0, 0.0, 1.0})};
-  const auto moment = [&m](Vec3 a, Vec3 b) {
-    const Vec3 mb{m.xx * b.x + m.xy * b.y + m.zx * b.z, m.xy * b.x + m.yy * b.y + m.yz * b.z,
-                  m.zx * b.x + m.yz * b.y + m.zz * b.z};
-    return dot(a, mb);
+LongAxis long_axis(const MeasureModel& model, const std::vector<std::int32_t>& elements, Vec3 symmetry_normal) {
+  std::vector<WeightedPoint> points;
+  for (const std::int32_t i : elements) {
+    const MeasureModel::Element& e = model.elements[static_cast<std::size_t>(i)];
+    points.push_back({centroid(model, e), e.mass});
+  }
+  return long_axis_of(points, symmetry_normal);
+}
+
+LongAxis undeformed_long_axis(const MeasureModel& model, int part, Vec3 symmetry_normal) {
+  std::vector<WeightedPoint> points;
+  for (const MeasureModel::Node& n : model.nodes)
+    if (n.part == part) points.push_back({n.reference, 1.0});
+  return long_axis_of(points, symmetry_normal);
+}
+
+Vec3 carried_direction(const MeasureModel& model, const std::vector<std::int32_t>& nodes, Vec3 undeformed) {
+  const auto node = [&](std::int32_t n) -> const MeasureModel::Node& {
+    return model.nodes[static_cast<std::size_t>(n)];
   };
-  return dominant_direction({moment(p[0], p[0]), moment(p[1], p[1]), moment(p[2], p[2]), moment(p[0], p[1]),
-                             moment(p[1], p[2]), moment(p[2], p[0])});
+  double mean_height = 0.0;
+  for (const std::int32_t n : nodes) mean_height += dot(node(n).reference, undeformed);
+  mean_height /= static_cast<double>(nodes.size());
+  // Covariance of the undeformed height and the present position.
+  Vec3 sum;
+  for (const std::int32_t n : nodes)
+    sum = sum + (dot(node(n).reference, undeformed) - mean_height) * (node(n).position - node(nodes.front()).position);
+  return unit(sum);
 }
 
 double extent_along(const MeasureModel& model, const std::vector<std::int32_t>& nodes, Vec3 direction) {
@@ -213,29 +285,44 @@ double extent_along(const MeasureModel& model, const std::vector<std::int32_t>& 
 
 BodySurface surface_of(const MeasureModel& model, const std::vector<std::int32_t>& elements) {
   BodySurface surface;
-  std::unordered_map<std::int32_t, std::int32_t> vertex_of;
+  Vertices vertices(model, surface);
   const std::vector<FaceEntry> faces = sorted_faces(model, elements);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const Facet& key = faces[i].key;
     if ((i > 0 && key == faces[i - 1].key) || (i + 1 < faces.size() && key == faces[i + 1].key)) continue;
-    // A collapsed hexahedron has faces that are lines; they bound nothing.
-    if ((key[0] == key[1]) + (key[1] == key[2]) + (key[2] == key[3]) > 1) continue;
+    if (is_line(key)) continue;
     Facet facet = face_of(model.elements[static_cast<std::size_t>(faces[i].element)], faces[i].face);
-    for (std::int32_t& n : facet) {
-      const MeasureModel::Node& node = model.nodes[static_cast<std::size_t>(n)];
-      const auto [at, is_new] = vertex_of.try_emplace(n, static_cast<std::int32_t>(surface.reference.size()));
-      if (is_new) {
-        surface.reference.push_back(node.reference);
-        surface.position.push_back(node.position);
-      }
-      n = at->second;
-    }
+    for (std::int32_t& n : facet) n = vertices.of(n);
     surface.facets.push_back(facet);
   }
   return surface;
 }
 
-void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point) {
+BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 direction, double height, double tolerance) {
+  std::vector<char> in_plane(model.nodes.size(), 0);
+  for (std::size_t n = 0; n < model.nodes.size(); ++n)
+    in_plane[n] =
+        model.nodes[n].part == part && std::fabs(dot(model.nodes[n].reference, direction) - height) <= tolerance;
+  BodySurface surface;
+  Vertices vertices(model, surface);
+  for (const auto* elements : {&model.elements, &model.eroded})
+    for (const MeasureModel::Element& e : *elements) {
+      if (e.part != part) continue;
+      for (int f = 0; f < 6; ++f) {
+        Facet facet = face_of(e, f), key = facet;
+        if (!std::all_of(facet.begin(), facet.end(),
+                         [&](auto n) { return in_plane[static_cast<std::size_t>(n)] != 0; }))
+          continue;
+        std::sort(key.begin(), key.end());
+        if (is_line(key)) continue;
+        for (std::int32_t& n : facet) n = vertices.of(n);
+        surface.facets.push_back(facet);
+      }
+    }
+  return surface;
+}
+
+void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point, int plane) {
   const Vec3 s = unit(normal);
   const auto height = [&](Vec3 x) { return dot(x - point, s); };
   // Vertices within a millionth of the body's height above the plane are their own image.
@@ -252,6 +339,7 @@ void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point) {
     image[v] = static_cast<std::int32_t>(surface.reference.size());
     surface.reference.push_back(x - 2.0 * height(x) * s);
     surface.position.push_back(now - 2.0 * height(now) * s);
+    surface.label.push_back(surface.label[v] ^ (std::int64_t{1} << plane));
   }
   // Facets in the plane lie inside the whole body. An image turns the other way round.
   std::vector<Facet> facets;

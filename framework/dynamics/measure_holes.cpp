@@ -1,6 +1,9 @@
-// Finds holes in a piece of surface, follows their walls, and measures their openings.
+// Finds what is left of a face and the holes in it, follows their walls, and measures their openings.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
+#include <set>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -44,30 +47,49 @@ Vec3 facet_area(const std::vector<Vec3>& x, const std::array<std::int32_t, 4>& f
   return 0.5 * cross(at(2) - at(0), at(3) - at(1));
 }
 
-/// Facets of the largest piece that is connected through edges, by reference area; the first of equals.
-std::vector<std::int32_t> largest_piece(const BodySurface& surface, const std::vector<std::int32_t>& facets) {
+/// The labels of a facet's vertices, ascending: what the same facet has in every surface.
+std::array<std::int64_t, 4> labels_of(const BodySurface& surface, std::int32_t facet) {
+  std::array<std::int64_t, 4> labels{};
+  for (std::size_t k = 0; k < 4; ++k)
+    labels[k] = surface.label[static_cast<std::size_t>(surface.facets[static_cast<std::size_t>(facet)][k])];
+  std::sort(labels.begin(), labels.end());
+  return labels;
+}
+
+/// Facets that are connected through edges, and their reference area.
+struct Piece {
+  std::vector<std::int32_t> facets;
+  double area = 0.0;  // [m2]
+};
+
+std::vector<Piece> connected_pieces(const BodySurface& surface, const std::vector<std::int32_t>& facets) {
   const HalfEdges edges(surface, facets);
   std::unordered_set<std::int32_t> seen;
-  std::vector<std::int32_t> best;
-  double best_area = -1.0;
+  std::vector<Piece> pieces;
   for (const std::int32_t start : facets) {
     if (!seen.insert(start).second) continue;
-    std::vector<std::int32_t> piece{start};
-    double area = 0.0;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      area += norm(facet_area(surface.reference, surface.facets[static_cast<std::size_t>(piece[i])]));
+    Piece piece{{start}};
+    for (std::size_t i = 0; i < piece.facets.size(); ++i) {
+      const std::int32_t f = piece.facets[i];
+      piece.area += norm(facet_area(surface.reference, surface.facets[static_cast<std::size_t>(f)]));
       for (int k = 0; k < 4; ++k) {
-        const HalfEdges::Corner* other = edges.opposite({piece[i], k});
-        if (other != nullptr && seen.insert(other->facet).second) piece.push_back(other->facet);
+        const HalfEdges::Corner* other = edges.opposite({f, k});
+        if (other != nullptr && seen.insert(other->facet).second) piece.facets.push_back(other->facet);
       }
     }
-    if (area > best_area) {
-      best_area = area;
-      best = std::move(piece);
-    }
+    pieces.push_back(std::move(piece));
   }
-  std::sort(best.begin(), best.end());
-  return best;
+  return pieces;
+}
+
+/// Facets of the largest piece that is connected through edges, by reference area; the first of equals.
+std::vector<std::int32_t> largest_piece(const BodySurface& surface, const std::vector<std::int32_t>& facets) {
+  std::vector<Piece> pieces = connected_pieces(surface, facets);
+  const auto best =
+      std::max_element(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.area < b.area; });
+  if (best == pieces.end()) return {};
+  std::sort(best->facets.begin(), best->facets.end());
+  return std::move(best->facets);
 }
 
 /// Follows a boundary from a half-edge, with the facets on the left. Where two boundaries touch at a vertex it
@@ -127,14 +149,25 @@ std::vector<Point> convex_hull(std::vector<Point> points) {
   return hull;
 }
 
+/// The convex hull of points that are projected on the plane with this normal.
+std::vector<Point> projected_hull(const std::vector<Vec3>& line, Vec3 n) {
+  const Vec3 least = std::fabs(n.x) <= std::fabs(n.y) && std::fabs(n.x) <= std::fabs(n.z) ? Vec3{1.0, 0.0, 0.0}
+                     : std::fabs(n.y) <= std::fabs(n.z)                                   ? Vec3{0.0, 1.0, 0.0}
+                                                                                          : Vec3{0.0, 0.0, 1.0};
+  const Vec3 e1 = unit(cross(n, least)), e2 = cross(n, e1);
+  std::vector<Point> points;
+  for (const Vec3 x : line) points.push_back({dot(x, e1), dot(x, e2)});
+  return convex_hull(points);
+}
+
 }  // namespace
 
-std::vector<Rim> find_holes(const BodySurface& surface, const std::vector<std::int32_t>& facets, Vec3 normal) {
-  const std::vector<std::int32_t> piece = largest_piece(surface, facets);
-  const HalfEdges edges(surface, piece);
+FaceRest rest_of_face(const BodySurface& surface, const std::vector<std::int32_t>& facets, Vec3 normal) {
+  FaceRest rest;
+  rest.facets = largest_piece(surface, facets);
+  const HalfEdges edges(surface, rest.facets);
   std::unordered_set<std::uint64_t> done;
-  std::vector<Rim> holes;
-  for (const std::int32_t f : piece) {
+  for (const std::int32_t f : rest.facets) {
     for (int k = 0; k < 4; ++k) {
       const HalfEdges::Corner start{f, k};
       if (edges.opposite(start) != nullptr) continue;
@@ -148,10 +181,33 @@ std::vector<Rim> find_holes(const BodySurface& surface, const std::vector<std::i
       }
       // Facets lie on the left: around the outline the area is positive, around a hole negative.
       rim.reference_area = -enclosed_area(line, normal);
-      if (rim.reference_area > 0.0) holes.push_back(std::move(rim));
+      (rim.reference_area > 0.0 ? rest.holes : rest.outlines).push_back(std::move(rim));
     }
   }
-  return holes;
+  return rest;
+}
+
+FaceLoss loss_of_face(const BodySurface& surface, const FaceRest& rest, const BodySurface& undeformed, Vec3 normal) {
+  std::set<std::array<std::int64_t, 4>> left;
+  for (const std::int32_t f : rest.facets) left.insert(labels_of(surface, f));
+  std::vector<std::int32_t> all(undeformed.facets.size()), gone;
+  std::iota(all.begin(), all.end(), 0);
+  std::copy_if(all.begin(), all.end(), std::back_inserter(gone),
+               [&](std::int32_t f) { return !left.contains(labels_of(undeformed, f)); });
+  FaceLoss loss;
+  loss.any = !gone.empty();
+  const std::unordered_set<std::uint64_t> outline = edges_of(rest_of_face(undeformed, all, normal).outlines);
+  for (const Piece& piece : connected_pieces(undeformed, gone)) {
+    bool at_outline = false;
+    for (const std::int32_t f : piece.facets)
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::int32_t a = undeformed.facets[static_cast<std::size_t>(f)][k],
+                           b = undeformed.facets[static_cast<std::size_t>(f)][(k + 1) & 3];
+        at_outline = at_outline || outline.contains(HalfEdges::key(std::min(a, b), std::max(a, b)));
+      }
+    if (at_outline) loss.largest_at_outline = std::max(loss.largest_at_outline, piece.area);
+  }
+  return loss;
 }
 
 bool walls_connect(const BodySurface& surface, const std::vector<bool>& excluded, const std::vector<Rim>& from,
@@ -190,13 +246,7 @@ bool walls_connect(const BodySurface& surface, const std::vector<bool>& excluded
 
 Opening measure_opening(const std::vector<Vec3>& line, Vec3 normal) {
   const Vec3 n = unit(normal);
-  const Vec3 least = std::fabs(n.x) <= std::fabs(n.y) && std::fabs(n.x) <= std::fabs(n.z) ? Vec3{1.0, 0.0, 0.0}
-                     : std::fabs(n.y) <= std::fabs(n.z)                                   ? Vec3{0.0, 1.0, 0.0}
-                                                                                          : Vec3{0.0, 0.0, 1.0};
-  const Vec3 e1 = unit(cross(n, least)), e2 = cross(n, e1);
-  std::vector<Point> points;
-  for (const Vec3 x : line) points.push_back({dot(x, e1), dot(x, e2)});
-  const std::vector<Point> hull = convex_hull(points);
+  const std::vector<Point> hull = projected_hull(line, n);
   if (hull.size() < 3) return {};
   Opening o;
   o.largest = 0.0;
@@ -214,6 +264,14 @@ Opening measure_opening(const std::vector<Vec3>& line, Vec3 normal) {
   }
   o.area = std::fabs(enclosed_area(line, n));
   return o;
+}
+
+double hull_area(const std::vector<Vec3>& points, Vec3 normal) {
+  if (points.empty()) return 0.0;
+  const std::vector<Point> hull = projected_hull(points, unit(normal));
+  double twice = 0.0;
+  for (std::size_t i = 1; i + 1 < hull.size(); ++i) twice += turn(hull[0], hull[i], hull[i + 1]);
+  return 0.5 * twice;
 }
 
 }  // namespace kerf

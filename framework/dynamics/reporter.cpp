@@ -253,14 +253,14 @@ void Reporter::progress_line() {
   const double imbalance = Balancer::imbalance(simulation_.model());
   const double elapsed = seconds_now() - start_seconds_;
   const double share = simulation_.clock().time() / input_.time.end;
-  const std::int64_t id = simulation_.reduction().least_id;
-  print(fmt::format(
-      "cycle {:7d}  t {:.4e} s  dt {:.3e} s ({})  energy {:+.3f} %  eroded {:6d}  {}imbalance {:.3f}  "
-      "elapsed {:.1f} s  left {:.0f} s\n",
-      simulation_.clock().cycle(), simulation_.clock().time(), simulation_.clock().last_dt(),
-      id >= 0 ? fmt::format("element {}", id) : "contact", 100.0 * last_.error, last_.eroded_elements,
-      last_.let_go.nodes > 0 ? fmt::format("let go {:d}  ", last_.let_go.nodes) : "", imbalance, elapsed,
-      share > 0.0 ? elapsed * (1.0 - share) / share : 0.0));
+  if (last_history_cycle_ != simulation_.clock().cycle()) last_ = simulation_.sample();
+  print(
+      fmt::format("cycle {:7d}  t {:.4e} s  dt {:.3e} s ({})  energy {:+.3f} %  eroded {:6d}  {}imbalance {:.3f}  "
+                  "elapsed {:.1f} s  left {:.0f} s\n",
+                  simulation_.clock().cycle(), simulation_.clock().time(), simulation_.clock().last_dt(),
+                  simulation_.last_step_setter(), 100.0 * last_.error, last_.eroded_elements,
+                  last_.let_go.nodes > 0 ? fmt::format("let go {:d}  ", last_.let_go.nodes) : "", imbalance, elapsed,
+                  share > 0.0 ? elapsed * (1.0 - share) / share : 0.0));
 }
 
 void Reporter::finish(const std::string& exit) {

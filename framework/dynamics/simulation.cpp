@@ -138,9 +138,8 @@ double Simulation::lesser_cell(int first, int second) const {
   double least = std::numeric_limits<double>::max();
   for (const int p : {first, second}) {
     const PartModel& part = model_.parts[static_cast<std::size_t>(p)];
-    least =
-        std::min(least, part.initial_mass / part.material->density / static_cast<double>(std::max(part.n_elements,
-                                                                                             std::int64_t{1})));
+    least = std::min(least, part.initial_mass / part.material->density /
+                                static_cast<double>(std::max(part.n_elements, std::int64_t{1})));
   }
   return least;
 }
@@ -152,10 +151,10 @@ std::vector<std::string> Simulation::judge_end() {
     const int contact = cover.between(o.first, o.second);
     const double cells = o.volume / lesser_cell(o.first, o.second);
     if (contact < 0 || !(cells > overlap_at_end)) continue;
-    lines.push_back(fmt::format("{}: warning: {}, {:.3g} cells: contact did not keep them apart, do not trust the result; "
-                                "use cells of like size where bodies meet, or a smaller time.safety_factor",
-                                input_.contacts[static_cast<std::size_t>(contact)]->origin,
-                                o.sentence(model_, "at the end"), cells));
+    lines.push_back(fmt::format(
+        "{}: warning: {}, {:.3g} cells: contact did not keep them apart, do not trust the result; "
+        "use cells of like size where bodies meet, or a smaller time.safety_factor",
+        input_.contacts[static_cast<std::size_t>(contact)]->origin, o.sentence(model_, "at the end"), cells));
   }
   warnings_.insert(warnings_.end(), lines.begin(), lines.end());
   return lines;
@@ -193,12 +192,30 @@ ContactLoad Simulation::load() const {
   return sum;
 }
 
+std::string Simulation::setter_name(StepLimit limit, std::int64_t id) {
+  switch (limit) {
+    case StepLimit::growth:
+      return "time.growth";
+    case StepLimit::initial_step:
+      return "time.initial_step";
+    case StepLimit::maximum_step:
+      return "time.maximum_step";
+    case StepLimit::end:
+      return "time.end";
+    case StepLimit::stable:
+      break;
+  }
+  return id >= 0 ? fmt::format("element {}", id) : "contact";
+}
+
 void Simulation::run() {
   std::signal(SIGINT, &note_signal);
   std::signal(SIGTERM, &note_signal);
   std::signal(SIGUSR1, &note_signal);  // which mpirun passes on, while SIGTERM makes it end its ranks
   while (clock_.running() && !signalled_) {
     const Step step = clock_.advance(reduction_.least_step);
+    last_limit_ = step.limit;
+    last_id_ = reduction_.least_id;
     {
       const auto scope = timers_.measure("nodes");
       integrator_.kick_and_drift(model_, step, load_, ledger_);
@@ -435,8 +452,9 @@ void Simulation::check_speeds(double time) const {
     if (dot(model_.nodes.v(i), model_.nodes.v(i)) <= limit * limit || !model_.nodes.owned[i]) continue;
     if (model_.nodes.id[i] >= lowest) continue;
     lowest = model_.nodes.id[i];
-    trouble = fmt::format("node {} (part {}, rank {}) moves at {:.4g} m/s, faster than {:.4g} m/s", lowest,
-                          model_.parts[model_.nodes.part[i]].input->name, model_.rank(), norm(model_.nodes.v(i)), limit);
+    trouble =
+        fmt::format("node {} (part {}, rank {}) moves at {:.4g} m/s, faster than {:.4g} m/s", lowest,
+                    model_.parts[model_.nodes.part[i]].input->name, model_.rank(), norm(model_.nodes.v(i)), limit);
   }
   const std::int64_t first = -greatest(model_.comm, -lowest);
   const std::string text = first_text(model_.comm, lowest == first ? trouble : std::string{});

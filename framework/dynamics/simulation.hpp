@@ -71,6 +71,10 @@ class Simulation {
   /// The step that will follow.
   Step next_step() const { return clock_.plan(reduction_.least_step); }
   double first_stable_step() const { return first_stable_; }
+  /// What sets the step that will follow, and what has set the last one: "element 12", "contact" or a key such as
+  /// "time.maximum_step".
+  std::string next_step_setter() const { return setter_name(next_step().limit, reduction_.least_id); }
+  std::string last_step_setter() const { return setter_name(last_limit_, last_id_); }
   /// What a user should look at before the run, as lines "origin: warning: what; what to do"; the same on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Warns of bodies that contact should have kept apart and that share volume now. Returns the new warnings, which
@@ -85,7 +89,8 @@ class Simulation {
     std::int64_t cycle = 0, last_rebalance = 0, element_cycles = 0;
     StepReduction reduction;
     double first_stable = 0.0, contact_step = 0.0;
-    std::unordered_map<std::int64_t, std::array<std::int64_t, 6>> contact_force;  // and friction; by node id, any superset
+    std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>
+        contact_force;  // and friction; by node id, any superset
   };
   /// Collective.
   Progress progress() const;
@@ -93,6 +98,7 @@ class Simulation {
   void resume(const Progress& progress);
 
  private:
+  static std::string setter_name(StepLimit limit, std::int64_t id);
   void refuse_bad_start(const ContactCover& cover);
   void renumbered();
   void rebalance(const Step& step);
@@ -125,6 +131,8 @@ class Simulation {
   ContactLoad load_;
   std::int64_t element_cycles_ = 0;
   double first_stable_ = 0.0;
+  StepLimit last_limit_ = StepLimit::stable;  // of the last step
+  std::int64_t last_id_ = -1;  // the element that the last step was stable for, -1 for contact
   int n_overlaps_ = 0;
   double resumed_contact_step_ = 0.0;  // what contact allowed when the restart was written [s]; 0 if not resumed
   bool signalled_ = false;

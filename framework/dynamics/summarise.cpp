@@ -58,7 +58,23 @@ void take_on_root(const Model& model, const Each& each, const Take& take) {
   }
 }
 
-/// All live elements and all nodes on rank 0, sorted by id; nodes that nobody holds have id -1. Collective.
+/// The elements that have eroded, as the mesh made them. Pre: elements that live have their id in `gathered`.
+std::vector<MeasureModel::Element> eroded_elements(const Model& model, const MeasureModel& gathered) {
+  std::vector<MeasureModel::Element> eroded;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartModel& part = model.parts[p];
+    for (std::int64_t e = 0; e < part.n_elements; ++e) {
+      if (gathered.elements[static_cast<std::size_t>(part.first_element + e)].id >= 0) continue;
+      MeasureModel::Element out{part.first_element + e, static_cast<int>(p), 0.0, {}};
+      const auto corners = part.input->mesh->element(e);
+      for (std::size_t k = 0; k < 8; ++k) out.nodes[k] = static_cast<std::int32_t>(part.first_node + corners[k]);
+      eroded.push_back(out);
+    }
+  }
+  return eroded;
+}
+
+/// All elements and nodes on rank 0, sorted by id; nodes that nobody holds have id -1. Collective.
 MeasureModel gather_model(const Model& model) {
   MeasureModel m;
   for (const PartModel& p : model.parts) {
@@ -67,7 +83,11 @@ MeasureModel gather_model(const Model& model) {
   }
   KERF_ASSERT(model.n_nodes <= std::numeric_limits<std::int32_t>::max(), "measures number nodes in 32 bits");
   if (model.rank() == 0) {
-    m.nodes.resize(static_cast<std::size_t>(model.n_nodes), {-1, -1, true, 0.0, {}, {}, {}});
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
+      m.nodes.resize(m.nodes.size() + static_cast<std::size_t>(model.parts[p].n_nodes),
+                     {-1, static_cast<int>(p), true, 0.0, {}, {}, {}});
+    for (std::size_t n = 0; n < m.nodes.size(); ++n)
+      m.nodes[n].reference = reference_position(model, static_cast<std::int64_t>(n));
     m.elements.resize(static_cast<std::size_t>(model.n_elements), {-1, -1, 0.0, {}});
   }
   take_on_root<NodeRecord>(
@@ -77,7 +97,7 @@ MeasureModel gather_model(const Model& model) {
                                                    n.part,
                                                    n.free != 0,
                                                    n.mass,
-                                                   reference_position(model, n.id),
+                                                   m.nodes[static_cast<std::size_t>(n.id)].reference,
                                                    {n.position[0], n.position[1], n.position[2]},
                                                    {n.velocity[0], n.velocity[1], n.velocity[2]}};
       });
@@ -88,31 +108,40 @@ MeasureModel gather_model(const Model& model) {
         out = {e.id, static_cast<int>(e.part), e.mass, {}};
         for (int k = 0; k < 8; ++k) out.nodes[k] = static_cast<std::int32_t>(e.nodes[k]);
       });
+  if (model.rank() == 0) m.eroded = eroded_elements(model, m);
   std::erase_if(m.elements, [](const MeasureModel::Element& e) { return e.id < 0; });
   return m;
 }
 
-/// Energy that live elements hold elastically and would give back: |s|^2 / (4 G) + p^2 / (2 K) times the volume with
-/// the undeformed moduli, and no more than the element's internal energy without the bulk viscosity's share.
-/// Collective.
-double elastic_energy(const Model& model) {
-  std::vector<double> elastic;
+/// What elements have turned into heat by plastic flow: their internal energy, without what they started with and
+/// without the bulk viscosity's share, less what they hold elastically and would give back. That is, with the
+/// undeformed moduli, |s|^2 / (4 G) times the volume, and the work of compression from the pressure p0 that the
+/// material started with, p0 (V0 - V) + (p - p0)^2 V / (2 K). A fluid gives back all that was done on it. Eroded
+/// elements have taken with them what they held, less what they started with. Collective.
+double dissipated_by_elements(const Model& model, double eroded) {
+  std::vector<double> dissipated;
+  double eroded_from_start = 0.0;
   for (const PartModel& part : model.parts) {
     const PartStore& store = *part.store;
+    std::vector<double> mass;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
+      mass.push_back(store.field(PartStore::mass).at(s, 0));
+      if (!(part.shear_modulus > 0.0)) continue;
       const auto field = [&](PartStore::FieldIndex f, int c = 0) { return store.field(f).at(s, c); };
       double square = 0.0;
       for (int c = 0; c < 6; ++c)
         square += (c < 3 ? 1.0 : 2.0) * field(PartStore::deviator, c) * field(PartStore::deviator, c);
-      const double p = field(PartStore::pressure);
-      const double density = (part.shear_modulus > 0.0 ? square / (4.0 * part.shear_modulus) : 0.0) +
-                             (part.bulk_modulus > 0.0 ? p * p / (2.0 * part.bulk_modulus) : 0.0);
+      const double rise = field(PartStore::pressure) - part.initial_pressure, volume = field(PartStore::volume);
+      double elastic = square / (4.0 * part.shear_modulus) * volume +
+                       part.initial_pressure * (mass.back() / part.material->density - volume);
+      if (part.bulk_modulus > 0.0) elastic += rise * rise / (2.0 * part.bulk_modulus) * volume;
       const double held = field(PartStore::internal_energy) - field(PartStore::viscous_energy);
-      elastic.push_back(std::clamp(density * field(PartStore::volume), 0.0, std::max(held, 0.0)));
+      dissipated.push_back(std::max(held - std::max(elastic, 0.0), 0.0));
     }
+    eroded_from_start += part.initial_energy * (part.initial_mass - order_free_sum(model.comm, mass));
   }
-  return order_free_sum(model.comm, elastic);
+  return order_free_sum(model.comm, dissipated) + std::max(eroded - eroded_from_start, 0.0);
 }
 
 /// A sentence where hourglass control has taken more than a tenth of what was dissipated, and more than a hundredth of
@@ -126,6 +155,19 @@ std::string hourglass_warning(const Summary& s) {
       100.0 * s.hourglass.share());
 }
 
+std::string number_or_null(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
+
+/// The measures, and below them why some are not known; equal reasons are told once.
+std::string table_of_measures(const Summary& s) {
+  std::string text = s.measures.empty() ? "" : "\nmeasures\n";
+  for (const auto& [name, value] : s.measures) text += fmt::format("  {:<32}{:>14}\n", name, number_or_null(value));
+  std::map<std::string, std::vector<std::string>> by_reason;
+  for (const auto& [name, reason] : s.not_measured) by_reason[reason].push_back(name);
+  for (const auto& [reason, names] : by_reason)
+    text += fmt::format("  null: {} ({})\n", reason, fmt::join(names, ", "));
+  return text;
+}
+
 }  // namespace
 
 Summary Reporter::summarise(const std::string& exit) {
@@ -133,6 +175,7 @@ Summary Reporter::summarise(const std::string& exit) {
   Summary s;
   s.kerf_version = KERF_VERSION;
   s.input = settings_.input_name;
+  s.title = model.input->title;
   s.precision = model.input->precision;
   s.ranks = model.n_ranks();
   s.cycles = simulation_.clock().cycle();
@@ -160,13 +203,13 @@ Summary Reporter::summarise(const std::string& exit) {
   s.contact_let_go = {b.let_go.nodes,
                       static_cast<double>(b.let_go.mass) * simulation_.ledger().mass_quantum,
                       b.let_go.deepest,
-                      b.let_go.first_time,
+                      b.let_go.nodes > 0 ? b.let_go.first_time : std::numeric_limits<double>::quiet_NaN(),
                       {}};
   for (std::size_t p = 0; p < b.let_go.by_part.size(); ++p)
     if (b.let_go.by_part[p] > 0) s.contact_let_go.by_part[model.parts[p].input->name] = b.let_go.by_part[p];
   s.hourglass.energy = b.hourglass;
-  s.hourglass.dissipated = std::max(0.0, b.internal - elastic_energy(model)) + b.hourglass + b.bulk_viscosity +
-                           std::max(0.0, b.contact) + b.eroded;
+  s.hourglass.dissipated =
+      dissipated_by_elements(model, b.eroded) + b.hourglass + b.bulk_viscosity + std::max(0.0, b.contact);
   s.momentum.initial = triple(simulation_.ledger().initial_momentum);
   s.momentum.final = triple(b.momentum);
   s.momentum.eroded = triple(b.dropped_momentum);
@@ -216,7 +259,7 @@ void Reporter::add_parts(Summary& summary) {
     const double moving = order_free_sum(model.comm, mass);
     for (int d = 0; d < 3; ++d) {
       const double total = order_free_sum(model.comm, momentum[d]);
-      out.velocity[d] = moving > 0.0 ? total / moving : 0.0;
+      out.velocity[d] = moving > 0.0 ? total / moving : std::numeric_limits<double>::quiet_NaN();
     }
   }
 }
@@ -226,8 +269,11 @@ void Reporter::add_measures(Summary& summary) {
   const MeasureModel model = gather_model(simulation_.model());
   if (!root()) return;
   for (const auto& m : input_.measures)
-    for (const auto& [name, value] : m->evaluate(model))
-      summary.measures[name.empty() ? m->label : m->label + "." + name] = value;
+    for (const auto& [name, value, reason] : m->evaluate(model)) {
+      const std::string full = name.empty() ? m->label : m->label + "." + name;
+      summary.measures[full] = value;
+      if (!std::isfinite(value)) summary.not_measured[full] = reason;
+    }
 }
 
 void Reporter::add_timers(Summary& summary) {
@@ -263,18 +309,17 @@ std::string Reporter::table_of(const Summary& s) const {
   fmt::format_to(out, "{}", hourglass_warning(s));
   fmt::format_to(out, "\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
   for (const auto& [name, p] : s.parts)
-    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14.6g}\n", name, p.elements, p.alive, p.mass,
-                   norm({p.velocity[0], p.velocity[1], p.velocity[2]}));
+    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14}\n", name, p.elements, p.alive, p.mass,
+                   number_or_null(norm({p.velocity[0], p.velocity[1], p.velocity[2]})));
   if (s.contact_let_go.nodes > 0)
     fmt::format_to(out, "\nwarning: contact has let go of {} nodes, up to {:.4g} m deep, the first at {:.6g} s\n",
-               s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time);
+                   s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time);
   if (s.eroded.elements > 0) {
     fmt::format_to(out, "\neroded by");
     for (const auto& [name, n] : s.eroded.by_criterion) fmt::format_to(out, "  {} {}", name, n);
     fmt::format_to(out, "\n");
   }
-  if (!s.measures.empty()) fmt::format_to(out, "\nmeasures\n");
-  for (const auto& [name, value] : s.measures) fmt::format_to(out, "  {:<32}{:>14.6g}\n", name, value);
+  fmt::format_to(out, "{}", table_of_measures(s));
   fmt::format_to(out, "\ntime [s]\n");
   for (const auto& [name, t] : s.timers) fmt::format_to(out, "  {:<16}{:>10.3f}\n", name, t.mean);
   fmt::format_to(out, "output in {}\n", settings_.folder);

@@ -62,6 +62,7 @@ std::string summary_text(const Summary& s) {
   Json json;
   json["kerf_version"] = s.kerf_version;
   json["input"] = s.input;
+  json["title"] = s.title;
   json["precision"] = s.precision;
   json["ranks"] = s.ranks;
   json["cycles"] = s.cycles;
@@ -90,6 +91,7 @@ std::string summary_text(const Summary& s) {
   json["eroded"] = json_of(s.eroded);
   json["parts"] = object_of(s.parts, [](const Summary::Part& p) { return json_of(p); });
   json["measures"] = object_of(s.measures, [](double v) { return Json(v); });
+  json["not_measured"] = object_of(s.not_measured, [](const std::string& reason) { return Json(reason); });
   json["warnings"] = s.warnings;
   json["timers"] = object_of(s.timers, [](const Summary::Timer& t) {
     return Json{{"min", t.min}, {"mean", t.mean}, {"max", t.max}};

@@ -25,7 +25,7 @@ struct Summary {
   struct ContactLetGo {
     std::int64_t nodes = 0;
     double mass = 0.0, deepest = 0.0;  // [kg], [m]
-    double first_time = 0.0;  // [s]; 0 where there is none
+    double first_time = 0.0;  // [s]; NaN where there is none
     std::map<std::string, std::int64_t> by_part;
   };
   /// What hourglass control has taken, next to all that has not been given back.
@@ -47,7 +47,7 @@ struct Summary {
   struct Part {
     std::int64_t elements = 0, alive = 0;
     double mass = 0.0;  // [kg] live
-    std::array<double, 3> velocity{};  // [m/s] mass average
+    std::array<double, 3> velocity{};  // [m/s] mass average; NaN where nothing is left to move
     double kinetic = 0.0;  // [J]
   };
   struct Timer {  // [s] over ranks
@@ -60,7 +60,7 @@ struct Summary {
     double seconds = 0.0;
   };
 
-  std::string kerf_version, input;
+  std::string kerf_version, input, title;  // title of the model, empty where it has none
   std::string precision;  // of what elements compute with: "double" or "single"
   int ranks = 0;
   std::int64_t cycles = 0;
@@ -76,7 +76,8 @@ struct Summary {
   Mass mass;
   Eroded eroded;
   std::map<std::string, Part> parts;
-  std::map<std::string, double> measures;
+  std::map<std::string, double> measures;  // NaN where there is nothing to measure
+  std::map<std::string, std::string> not_measured;  // why
   std::vector<std::string> warnings;  // that were printed before the first step
   std::map<std::string, Timer> timers;
   std::vector<Rebalance> rebalances;

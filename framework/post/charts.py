@@ -13,6 +13,11 @@ ENERGIES = {
 }
 
 
+def plain(text: str) -> str:
+    """Text of a user as it stands, not as a formula between dollar signs."""
+    return text.replace("$", r"\$")
+
+
 def engineering(values: np.ndarray) -> tuple[float, str]:
     """The factor and prefix that bring the largest value to a readable number: 1.2e6 -> (1e-6, 'M')."""
     largest = float(np.nanmax(np.abs(values))) if np.size(values) else 0.0

@@ -10,14 +10,18 @@ import argparse
 import sys
 from pathlib import Path
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from results import read_history, read_summary  # noqa: E402
+try:
+    import numpy as np
+    from results import ResultsError, read_history, read_summary
+except ModuleNotFoundError as error:
+    sys.exit(f"kerf compare: the Python package {error.name} is missing; ./kerf build installs it, unless KERF_PYTHON "
+             "names another Python")
 
-# How a run was computed, not what it computed.
-NOT_PHYSICS = ("wall_seconds", "element_cycles_per_second", "timers", "rebalances", "ranks", "input", "kerf_version",
+# How a run was computed or what it was called, not what it computed.
+NOT_PHYSICS = ("wall_seconds", "element_cycles_per_second", "timers", "rebalances", "ranks", "input", "title",
+               "kerf_version",
                "state_hash", "imbalance")
 
 
@@ -46,6 +50,11 @@ def relative_difference(a: float, b: float) -> float:
     return float(difference) if np.isfinite(difference) else float("inf")
 
 
+def shown(value) -> str:
+    """As it stands in the file: null is a measure that has no value, "-" a quantity that is missing altogether."""
+    return "null" if value is None else str(value)[:17]
+
+
 def compare_summaries(a: dict, b: dict, tolerance: float, every: bool) -> int:
     """Prints a table; returns how many physical quantities differ by more than the tolerance."""
     flat_a, flat_b = flatten(a), flatten(b)
@@ -66,26 +75,39 @@ def compare_summaries(a: dict, b: dict, tolerance: float, every: bool) -> int:
             differing += 1
             text = "* " + text
         if every or text != "same":
-            print(f"{name:<44}{str(left)[:17]:>18}{str(right)[:17]:>18}{text:>14}")
+            print(f"{name:<44}{shown(left):>18}{shown(right):>18}{text:>14}")
     return differing
 
 
 def compare_histories(a: dict[str, np.ndarray], b: dict[str, np.ndarray], tolerance: float) -> int:
-    """Prints the largest difference of each column over the common time span, in parts of the column's range."""
-    if not len(a.get("time", [])) or not len(b.get("time", [])):
-        print("history: missing or empty in one of the two, not compared")
+    """Prints the largest difference of each column over the common time span, in parts of the column's range.
+
+    A number that is none (nan) in one of the two alone is an infinite difference, a column that one of the two lacks is
+    a difference.
+    """
+    rows = [len(history.get("time", [])) for history in (a, b)]
+    if rows == [0, 0]:
+        print("history: missing or empty in both, not compared")
         return 0
-    differing = 0
+    if 0 in rows:
+        print(f"* history: missing or empty in {'AB'[rows.index(0)]}")
+        return 1
+    lacking = [f"{name} (only in {'A' if name in a else 'B'})" for name in sorted(set(a) ^ set(b))]
+    if lacking:
+        print(f"* history: columns of one run alone: {', '.join(lacking)}")
+    differing = len(lacking)
     time = a["time"][a["time"] <= b["time"][-1]]
     print(f"\nhistory, {len(a['time'])} and {len(b['time'])} rows: largest difference of each column, and when")
     for name in a:
         if name == "time" or name not in b or len(time) == 0:
             continue
         other = np.interp(time, b["time"], b[name])
-        gap = np.abs(a[name][: len(time)] - other)
-        scale = max(np.abs(a[name]).max(), np.abs(b[name]).max())
+        mine = a[name][: len(time)]
+        gap = np.where(np.isnan(mine) & np.isnan(other), 0.0, np.nan_to_num(np.abs(mine - other), nan=np.inf))
+        gap[mine == other] = 0.0  # infinite and equal
+        scale = max(np.abs(np.nan_to_num(column, nan=0.0, posinf=0.0, neginf=0.0)).max() for column in (a[name], b[name]))
         worst = int(np.argmax(gap))
-        relative = gap[worst] / scale if scale > 0.0 else 0.0
+        relative = gap[worst] / scale if scale > 0.0 else gap[worst]
         marked = relative > tolerance and name not in NOT_PHYSICS
         differing += marked
         if gap[worst] > 0.0:
@@ -101,15 +123,19 @@ def main() -> int:
     parser.add_argument("--tolerance", type=float, default=0.0, help="relative difference that counts as equal")
     parser.add_argument("--all", action="store_true", help="list quantities that are the same, too")
     arguments = parser.parse_args()
-    summaries = []
-    for folder in (arguments.a, arguments.b):
-        summary = read_summary(folder)
-        if not summary:
-            print(f"kerf compare: there is no {folder / 'summary.json'}", file=sys.stderr)
-            return 1
-        summaries.append(summary)
+    if not arguments.tolerance >= 0.0:
+        parser.error("--tolerance has to be a number that is not negative")
+    summaries, histories = [], []
+    try:
+        for folder in (arguments.a, arguments.b):
+            summaries.append(read_summary(folder))
+            histories.append(read_history(folder / "history.csv"))
+            if not summaries[-1]:
+                raise ResultsError(f"there is no {folder / 'summary.json'}")
+    except ResultsError as error:
+        print(f"kerf compare: {error}", file=sys.stderr)
+        return 1
     differing = compare_summaries(*summaries, arguments.tolerance, arguments.all)
-    histories = [read_history(folder / "history.csv") for folder in (arguments.a, arguments.b)]
     differing += compare_histories(*histories, arguments.tolerance)
     hashes = [summary.get("state_hash", "") for summary in summaries]
     same_state = bool(hashes[0]) and hashes[0] == hashes[1]

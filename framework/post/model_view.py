@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from results import Results, cell_centres, node_array, points
+from results import Results, node_array, points
 
 
 @dataclass
@@ -22,21 +22,30 @@ class Viewpoint:
 
     @property
     def cut_axes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Two directions in the cut plane, the first along the impact as far as it lies in the plane."""
-        along = self.impact - self.cut_normal * (self.impact @ self.cut_normal)
-        if np.linalg.norm(along) < 0.1:
-            along = self.up
-        along = along / np.linalg.norm(along)
-        across = np.cross(along, self.cut_normal)
-        if across.sum() < 0.0:
-            across = -across
-        return along, across
+        """Two directions in the cut plane, to the right and upwards, so that global axes stay upright.
+
+        Upwards is z as far as it lies in the plane, or y where the plane is nearly normal to z. To the right is the
+        side on which the largest component is positive; the plane is seen from that side from which this is so.
+        """
+        upwards = upright(self.cut_normal, [0.0, 1.0, 0.0])
+        to_the_right = np.cross(self.cut_normal, upwards)
+        if to_the_right[np.argmax(np.abs(to_the_right).round(6))] < 0.0:
+            to_the_right = -to_the_right
+        return to_the_right, upwards
+
+
+def upright(sight: np.ndarray, otherwise) -> np.ndarray:
+    """The direction normal to a line of sight that is nearest to z, or to `otherwise` where z runs along the sight."""
+    sight = sight / np.linalg.norm(sight)
+    axis = np.array([0.0, 0.0, 1.0]) if abs(sight[2]) < 0.8 else np.asarray(otherwise, dtype=float)
+    axis = axis - sight * (sight @ axis)
+    return axis / np.linalg.norm(axis)
 
 
 def impact_direction(results: Results) -> np.ndarray:
     """The direction in which the faster nodes move at first; x where nothing moves."""
     velocity = node_array(results.whole_grid(0), "velocity")
-    if velocity is None or velocity.ndim != 2 or len(velocity) == 0:
+    if velocity is None or velocity.ndim != 2 or len(velocity) == 0 or not np.all(np.isfinite(velocity)):
         return np.array([1.0, 0.0, 0.0])
     speed = np.linalg.norm(velocity, axis=1)
     if speed.max() <= 0.0:
@@ -50,10 +59,10 @@ def box_of(results: Results, grids) -> tuple[np.ndarray, np.ndarray]:
     """The box that holds the bodies of all `grids`, without the few pieces that fly far away."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for grid in grids:
-        centres = cell_centres(grid)
-        if len(centres):
-            low = np.minimum(low, np.percentile(centres, 0.5, axis=0))
-            high = np.maximum(high, np.percentile(centres, 99.5, axis=0))
+        nodes = points(grid) if grid.GetNumberOfCells() else np.zeros((0, 3))
+        if len(nodes):
+            low = np.minimum(low, np.percentile(nodes, 0.5, axis=0))
+            high = np.maximum(high, np.percentile(nodes, 99.5, axis=0))
     if not np.all(np.isfinite(low)):
         nodes = points(results.whole_grid(0))
         low, high = nodes.min(axis=0), nodes.max(axis=0)

@@ -8,10 +8,12 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkFiltersCore import vtkCutter
 
+import charts
 import scene
 from model_view import Viewpoint, box_of, find_viewpoint
 from results import Results, cell_array, cell_centres, keep_cells, scalar_of
@@ -22,15 +24,15 @@ UNITS = {"pressure": (1.0e-6, "MPa"), "von_mises": (1.0e-6, "MPa"), "stress": (1
          "temperature": (1.0, "K"), "internal_energy": (1.0, "J/kg"), "density": (1.0, "kg/m³")}
 
 
-def draw_all(results: Results, arguments, title: str, into, notes: list[str]) -> list[str]:
-    """Draws every picture that the results allow; what is missing goes into `notes`."""
+def draw_all(results: Results, arguments, title: str, into, drawn: list[str], notes: list[str]) -> None:
+    """Draws every picture that the results allow and adds its name to `drawn`; what is missing goes into `notes`."""
     grid = results.grid(len(results.times) - 1)
     if grid.GetNumberOfCells() == 0:
         notes.append("no element is left at the end: nothing to draw")
-        return []
+        return
     view = find_viewpoint(results, arguments.cut_normal, arguments.cut_origin)
     field = choose_field(grid, arguments.field, notes)
-    drawn = []
+    limits = None
     if field is None:
         notes.append("the results hold no element field to colour cuts by")
     else:
@@ -39,13 +41,13 @@ def draw_all(results: Results, arguments, title: str, into, notes: list[str]) ->
         drawn.append("cut.png")
     if scene.choose_window() is None:
         notes.append("no way to draw in three dimensions without a screen: install libegl1 and libosmesa6")
-        return drawn
+        return
     mirror = ["xyz".index(axis) for axis in sorted(set(arguments.mirror))]
     for name, sign in (("front", 1.0), ("back", -1.0)):
         plot_side(results, view, sign, mirror, f"{title}  ·  {name}", into / f"{name}.png")
         drawn.append(f"{name}.png")
-    plot_overview(results, view, field, None if field is None else limits, title, into / "overview.png")
-    return drawn + ["overview.png"]
+    plot_overview(results, view, field, limits, title, into / "overview.png")
+    drawn.append("overview.png")
 
 
 def choose_field(grid, wanted: str, notes: list[str]) -> str | None:
@@ -74,7 +76,7 @@ def field_range(results: Results, field: str) -> tuple[float, float]:
 
 def field_label(field: str) -> tuple[float, str]:
     factor, unit = UNITS.get(field, (1.0, ""))
-    return factor, field.replace("_", " ") + (f" [{unit}]" if unit else "")
+    return factor, charts.plain(field.replace("_", " ")) + (f" [{unit}]" if unit else "")
 
 
 def show(grid, values: np.ndarray):
@@ -100,9 +102,8 @@ def cut_polygons(grid, view: Viewpoint) -> tuple[list[np.ndarray], np.ndarray]:
     cut = cutter.GetOutput()
     if cut.GetNumberOfPolys() == 0:
         return [], np.zeros(0)
-    along, across = view.cut_axes
     nodes = vtk_to_numpy(cut.GetPoints().GetData()).astype(float) * 1.0e3
-    flat = np.column_stack([nodes @ along, nodes @ across])
+    flat = np.column_stack([nodes @ axis for axis in view.cut_axes])
     offsets = vtk_to_numpy(cut.GetPolys().GetOffsetsArray())
     connectivity = vtk_to_numpy(cut.GetPolys().GetConnectivityArray())
     outlines = [flat[connectivity[offsets[i]:offsets[i + 1]]] for i in range(len(offsets) - 1)]
@@ -114,16 +115,16 @@ def plot_cut(results: Results, view: Viewpoint, field: str, limits, count: int, 
     frames = results.spread_frames(count)
     factor, label = field_label(field)
     norm = Normalize(limits[0] * factor, limits[1] * factor)
-    along, across = view.cut_axes
+    axes_of_plane = view.cut_axes
     low, high = box_of(results, (results.grid(frame) for frame in (frames[0], frames[len(frames) // 2], frames[-1])))
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    box = [(middle @ axis + np.abs(axis) @ half * np.array([-1.0, 1.0])) * 1.0e3 for axis in (along, across)]
+    box = [(middle @ axis + np.abs(axis) @ half * np.array([-1.0, 1.0])) * 1.0e3 for axis in axes_of_plane]
     width, height = np.ptp(box[0]), np.ptp(box[1])
     columns = min(len(frames), 3 if width > 0.7 * height else 6)
     rows = -(-len(frames) // columns)
     panel = 3.6 if columns <= 3 else 2.6
-    figure = Figure(figsize=(panel * columns + 1.2, min(panel * height / width, 9.0) * rows + 1.2),
-                    layout="constrained")
+    tall = min(max(panel * height / width, 0.9), 9.0)  # inches; the marks and names beside a thin body need some room
+    figure = Figure(figsize=(panel * columns + 1.2, tall * rows + 1.2), layout="constrained")
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     empty = True
     for axes, frame in zip(panels.flat, frames):
@@ -136,11 +137,12 @@ def plot_cut(results: Results, view: Viewpoint, field: str, limits, count: int, 
                                            edgecolors=(0.0, 0.0, 0.0, 0.35), linewidths=line))
         axes.set_title(f"{results.times[frame] * 1.0e6:.4g} µs", fontsize=10)
         axes.set(xlim=box[0], ylim=box[1], aspect="equal")
+        axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(3.0 * panel * height / width, 1, 9)), min_n_ticks=1))
         axes.set_facecolor("#f7fafc")
     for axes in panels.flat[len(frames):]:
         axes.set_visible(False)
-    figure.supxlabel(f"{axis_name(along)} [mm]", fontsize=10)
-    figure.supylabel(f"{axis_name(across)} [mm]", fontsize=10)
+    figure.supxlabel(f"{axis_name(axes_of_plane[0])} [mm]", fontsize=10)
+    figure.supylabel(f"{axis_name(axes_of_plane[1])} [mm]", fontsize=10)
     figure.colorbar(ScalarMappable(norm, "turbo"), ax=panels, label=label, shrink=0.8, extend="both")
     figure.suptitle(title)
     figure.savefig(path, dpi=150)
@@ -163,10 +165,10 @@ def part_values(grid) -> np.ndarray:
     return np.zeros(grid.GetNumberOfCells()) if part is None else part.astype(float)
 
 
-def tilted(view: Viewpoint, along: np.ndarray, sideways: float, upwards: float) -> np.ndarray:
+def tilted(along: np.ndarray, up: np.ndarray, sideways: float, upwards: float) -> np.ndarray:
     """A line of sight that follows `along` but looks a little from the side and from above."""
-    side = np.cross(along, view.up)
-    return along + sideways * side / np.linalg.norm(side) - upwards * view.up
+    side = np.cross(along, up)
+    return along + sideways * side / np.linalg.norm(side) - upwards * up
 
 
 def part_legend(figure, results: Results) -> None:
@@ -174,7 +176,8 @@ def part_legend(figure, results: Results) -> None:
     if not names:
         return
     colours = scene.PART_COLOURS
-    patches = [Patch(facecolor=colours[number % len(colours)], label=name) for number, name in names.items()]
+    patches = [Patch(facecolor=colours[number % len(colours)], label=charts.plain(name))
+               for number, name in names.items()]
     figure.legend(handles=patches[:16], loc="outside lower center", ncols=min(len(patches), 6), frameon=False)
 
 
@@ -210,7 +213,7 @@ def plot_side(results: Results, view: Viewpoint, sign: float, mirror: list[int],
     grid = scene.reflect(grid, mirror)
     low, high = mirrored_box(view, mirror)
     n_parts = max(results.part_names(), default=0) + 1
-    direction = tilted(view, sign * view.impact, 0.35, 0.3)
+    direction = tilted(sign * view.impact, view.up, 0.35, 0.3)
     image, pixel = scene.draw(grid, scene.Colouring(SHOWN, by_part=True), n_parts, direction, view.up, low, high)
     figure = Figure(figsize=(9.0, 8.0), layout="constrained")
     axes = figure.subplots()
@@ -237,6 +240,7 @@ def plot_overview(results: Results, view: Viewpoint, field: str | None, limits, 
     figure = Figure(figsize=(6.0 * len(frames) + 1.0, 6.5), layout="constrained")
     panels = figure.subplots(1, len(frames), squeeze=False)[0]
     low, high = box_of(results, (behind_cut(results.grid(frame), view) for frame in frames))
+    up = view.cut_axes[1]
     for axes, frame in zip(panels, frames):
         grid = behind_cut(results.grid(frame), view)
         if field:
@@ -245,8 +249,8 @@ def plot_overview(results: Results, view: Viewpoint, field: str | None, limits, 
         else:
             colouring = scene.Colouring(SHOWN, by_part=True)
             show(grid, part_values(grid))
-        direction = tilted(view, view.cut_normal, 0.35 if view.impact.sum() > 0.0 else -0.35, 0.35)
-        image, pixel = scene.draw(grid, colouring, n_parts, direction, view.up, low, high)
+        direction = tilted(view.cut_normal, up, 0.35 if view.impact.sum() > 0.0 else -0.35, 0.35)
+        image, pixel = scene.draw(grid, colouring, n_parts, direction, up, low, high)
         show_image(axes, image, pixel)
         axes.set_title(f"{results.times[frame] * 1.0e6:.4g} µs", fontsize=11)
     if field:

@@ -24,14 +24,29 @@ class ResultsError(Exception):
 def read_summary(folder: Path) -> dict:
     """summary.json, or an empty dictionary where the run has not written one."""
     path = folder / "summary.json"
-    return json.loads(path.read_text()) if path.exists() else {}
+    if not path.exists():
+        return {}
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ResultsError(f"{path} cannot be read: {error}") from error
+    if not isinstance(summary, dict):
+        raise ResultsError(f"{path} is no summary of a run")
+    return summary
 
 
 def read_history(path: Path) -> dict[str, np.ndarray]:
     """The columns of a CSV file, named without their units: {'time': ..., 'kinetic': ...}."""
     if not path.exists():
         return {}
-    with path.open(newline="") as file:
+    try:
+        return columns_of(path)
+    except (OSError, ValueError, csv.Error) as error:
+        raise ResultsError(f"{path} cannot be read: {error}") from error
+
+
+def columns_of(path: Path) -> dict[str, np.ndarray]:
+    with path.open(newline="", encoding="utf-8") as file:
         rows = [row for row in csv.reader(file) if row]
     if not rows:
         return {}
@@ -42,6 +57,20 @@ def read_history(path: Path) -> dict[str, np.ndarray]:
     return {name: table[:, i] for i, name in enumerate(names)}
 
 
+def require_whole_frames(path: Path) -> None:
+    """Throws ResultsError where a file is damaged in a way that the reader, which trusts it, would not survive."""
+    try:
+        with h5py.File(path, "r") as file:
+            steps = file["VTKHDF/Steps"]
+            n_steps = int(steps.attrs["NSteps"])
+            tables = [name for name in ("Values", "PartOffsets", "PointOffsets") if name in steps]
+            whole = n_steps > 0 and all(len(steps[name]) == n_steps for name in tables)
+    except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:
+        raise ResultsError(f"{path} cannot be read: {error}") from error
+    if not whole:
+        raise ResultsError(f"{path} holds no frame, or its tables of frames are not equally long")
+
+
 class Results:
     """The field results of one run, frame by frame."""
 
@@ -50,13 +79,13 @@ class Results:
         path = self.folder / "results.vtkhdf"
         if not path.exists():
             raise ResultsError(f"there is no {path}; did the run write field results (output.results_interval)?")
+        require_whole_frames(path)
         self._reader = vtkHDFReader()
         self._reader.SetFileName(str(path))
         self._reader.UpdateInformation()
         information = self._reader.GetOutputInformation(0)
         steps = vtkStreamingDemandDrivenPipeline.TIME_STEPS()
         self.times = np.array(information.Get(steps) or [0.0])
-        self.summary = read_summary(self.folder)
         self._part_names: dict[int, str] | None = None
 
     def nearest_frame(self, time: float) -> int:
@@ -77,7 +106,7 @@ class Results:
                 append.AddInputData(output.GetPartition(i))
             append.Update()
             output = append.GetOutput()
-        if output.GetNumberOfPoints() == 0:
+        if output is None or output.GetNumberOfPoints() == 0:
             raise ResultsError(f"{self.folder / 'results.vtkhdf'} holds no readable frame; is the run complete?")
         grid = vtkUnstructuredGrid()
         grid.ShallowCopy(output)

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "kerf/math.hpp"
@@ -12,8 +11,8 @@
 
 namespace kerf {
 
-/// The live elements and all nodes of the model, gathered on rank 0 and sorted by global id. A node's id is its place
-/// in the list; one that no rank holds any more has id and part -1.
+/// The elements and nodes of the model, gathered on rank 0 and sorted by global id. A node's place in the list is its
+/// global id. A node that was dropped from the model has id -1 and no mass; its last position and velocity are unknown.
 struct MeasureModel {
   std::vector<std::string> parts;
   struct Node {
@@ -21,7 +20,8 @@ struct MeasureModel {
     int part = 0;
     bool free = false;  // no live element left
     double mass = 0.0;  // [kg]
-    Vec3 reference, position, velocity;
+    Vec3 reference;  // undeformed position [m]
+    Vec3 position, velocity;  // [m], [m/s]
   };
   struct Element {
     std::int64_t id = 0;
@@ -30,17 +30,26 @@ struct MeasureModel {
     std::array<std::int32_t, 8> nodes{};  // indices into `nodes`
   };
   std::vector<Node> nodes;
-  std::vector<Element> elements;
+  std::vector<Element> elements;  // live ones
+  std::vector<Element> eroded;  // elements that have eroded, with mass zero
   std::vector<double> initial_mass;  // per part [kg]
 };
+
+/// One number of a measure, or the reason why there is none.
+struct MeasuredValue {
+  std::string name;  // appended to the user's label ("hole" -> "hole.entry_area"); empty for the label itself
+  double value = 0.0;  // NaN where it cannot be known; summary.json then says null
+  std::string reason = {};  // why it cannot be known: half a sentence, such as "no element of part rod is left"
+};
+
+using MeasuredValues = std::vector<MeasuredValue>;
 
 class Measure : public Plugin {
  public:
   /// Parts that are measured, for validation.
   virtual std::vector<std::string> references() const = 0;
-  /// Called on rank 0. Names are appended to the user's label ("hole" -> "hole.entry_largest"); an empty name
-  /// stands for the label itself. NaN means "cannot be measured" and becomes null.
-  virtual std::vector<std::pair<std::string, double>> evaluate(const MeasureModel& model) const = 0;
+  /// Called on rank 0. A value that cannot be known is NaN and has a reason; zero means that zero was measured.
+  virtual MeasuredValues evaluate(const MeasureModel& model) const = 0;
 };
 
 }  // namespace kerf

@@ -20,7 +20,7 @@ class FinalLength final : public Measure {
     std::vector<std::int32_t> nodes;
     for (std::size_t n = 0; n < model.nodes.size(); ++n)
       if (model.nodes[n].part == number && !model.nodes[n].free) nodes.push_back(static_cast<std::int32_t>(n));
-    return {{"", extent_along(model, nodes, unit(axis))}};
+    return {value_of_remnant(extent_along(model, nodes, unit(axis)), part)};
   }
 
   std::string part;

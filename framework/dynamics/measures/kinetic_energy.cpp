@@ -13,6 +13,7 @@ class KineticEnergy final : public Measure {
 
   MeasuredValues evaluate(const MeasureModel& model) const override {
     const int number = measured_part(model, part, *this);
+    if (!any_node_left(model, number)) return {unknown("", no_node_left(part))};
     double energy = 0.0;
     for (const MeasureModel::Node& n : model.nodes)
       if (n.part == number) energy += 0.5 * n.mass * dot(n.velocity, n.velocity);

@@ -29,15 +29,20 @@ class LargestRadius final : public Measure {
   MeasuredValues evaluate(const MeasureModel& model) const override {
     const int number = measured_part(model, part, *this);
     const Vec3 a = unit(axis);
-    const double infinity = std::numeric_limits<double>::infinity();
-    double low = infinity, reference_low = infinity, reference_high = -infinity;
+    const Vec3 across = unit(cross(a, std::fabs(a.x) < 0.6 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0}));
+    const Vec3 directions[3] = {a, across, cross(a, across)};
+    Range undeformed[3], now[3];
     for (const MeasureModel::Node& n : model.nodes) {
       if (n.part != number) continue;
-      reference_low = min_of(reference_low, dot(n.reference, a));
-      reference_high = max_of(reference_high, dot(n.reference, a));
-      if (!n.free) low = min_of(low, dot(n.position, a));
+      for (int d = 0; d < 3; ++d) {
+        undeformed[d].add(dot(n.reference - point, directions[d]));
+        if (!n.free) now[d].add(dot(n.position - point, directions[d]));
+      }
     }
-    const double height = low + at_height * (reference_high - reference_low);
+    if (!(now[0].high >= now[0].low)) return {unknown("", nothing_left(part))};
+    if (!(undeformed[1].holds_zero() && undeformed[2].holds_zero()) && !(now[1].holds_zero() && now[2].holds_zero()))
+      return {unknown("", "the axis does not pass through part " + part + "; look at `axis` and `point`")};
+    const double height = now[0].low + dot(point, a) + at_height * (undeformed[0].high - undeformed[0].low);
     double largest = -1.0;
     for (const MeasureModel::Element& e : model.elements) {
       if (e.part != number) continue;
@@ -47,7 +52,8 @@ class LargestRadius final : public Measure {
         largest = max_of(largest, at_height < 0.0 ? max_of(radius(p, a), radius(q, a)) : radius_at(p, q, a, height));
       }
     }
-    return {{"", largest >= 0.0 ? largest : not_measurable}};
+    if (largest < 0.0) return {unknown("", "part " + part + " has become too short to reach `at_height`")};
+    return {{"", largest}};
   }
 
   std::string part;
@@ -55,6 +61,18 @@ class LargestRadius final : public Measure {
   double at_height = -1.0;  // negative where absent
 
  private:
+  /// Coordinates of the part along a direction, from `point` [m].
+  struct Range {
+    double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+    void add(double s) {
+      low = min_of(low, s);
+      high = max_of(high, s);
+    }
+    /// The axis may lie on the part's side, as that of a quarter of a bar does. A thousandth of the width is far below
+    /// a cell, and far above the error of an axis that is given to four digits.
+    bool holds_zero() const { return low <= 1e-3 * (high - low) && high >= -1e-3 * (high - low); }
+  };
+
   double radius(Vec3 x, Vec3 a) const {
     const Vec3 d = x - point;
     return norm(d - dot(d, a) * a);

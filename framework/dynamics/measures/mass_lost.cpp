@@ -17,7 +17,9 @@ class MassLost final : public Measure {
     for (const MeasureModel::Element& e : model.elements)
       if (e.part == number) live += e.mass;
     const double initial = model.initial_mass[static_cast<std::size_t>(number)];
-    return {{"", initial - live}, {"fraction", initial > 0.0 ? (initial - live) / initial : not_measurable}};
+    // Both masses are sums of rounded numbers; less than any element is nothing.
+    const double lost = initial - live > 1e-12 * initial ? initial - live : 0.0;
+    return {{"", lost}, {"fraction", lost / initial}};
   }
 
   std::string part;

@@ -13,6 +13,10 @@ class PartMomentum final : public Measure {
 
   MeasuredValues evaluate(const MeasureModel& model) const override {
     const int number = measured_part(model, part, *this);
+    if (!any_node_left(model, number)) {
+      const std::string reason = no_node_left(part);
+      return {unknown("x", reason), unknown("y", reason), unknown("z", reason)};
+    }
     Vec3 momentum;
     for (const MeasureModel::Node& n : model.nodes)
       if (n.part == number) momentum = momentum + n.mass * n.velocity;

@@ -1,4 +1,6 @@
 // Length of what is left of a penetrator: the extent of its largest connected body. See doc/theory/measures.md.
+#include <cmath>
+
 #include "dynamics/measure_geometry.hpp"
 #include "kerf/plugin.hpp"
 
@@ -20,14 +22,31 @@ class ResidualLength final : public Measure {
   std::vector<std::string> references() const override { return {part}; }
 
   MeasuredValues evaluate(const MeasureModel& model) const override {
-    const std::vector<std::int32_t> body = largest_body(model, measured_part(model, part, *this), Link::node);
-    if (body.empty()) return {{"", not_measurable}};
-    const Vec3 direction = norm(axis) > 0.0 ? unit(axis) : long_axis(model, body, symmetry_normal);
-    return {{"", extent_along(model, nodes_of(model, body), direction)}};
+    const int number = measured_part(model, part, *this);
+    const std::vector<std::int32_t> body = largest_body(model, number, Link::node);
+    if (body.empty()) return {unknown("", nothing_left(part))};
+    const std::vector<std::int32_t> nodes = nodes_of(model, body);
+    if (norm(axis) > 0.0) return {{"", extent_along(model, nodes, unit(axis))}};
+    const LongAxis now = long_axis(model, body, symmetry_normal);
+    if (!now.clear())
+      return {unknown("", "what is left of part " + part + " is hardly longer than it is wide; give `axis`")};
+    if (lies_across(model, number, nodes, now.direction))
+      return {unknown("", "what is left of part " + part + " is wider than it is long; give `axis`")};
+    return {{"", extent_along(model, nodes, now.direction)}};
   }
 
   std::string part;
   Vec3 axis, symmetry_normal;  // zero where absent
+
+ private:
+  /// Whether a direction is nearer to the width of the undeformed part than to its length, as its material lies now.
+  bool lies_across(const MeasureModel& model, int number, const std::vector<std::int32_t>& nodes,
+                   Vec3 direction) const {
+    const LongAxis undeformed = undeformed_long_axis(model, number, symmetry_normal);
+    if (!undeformed.clear()) return false;
+    const Vec3 length = carried_direction(model, nodes, undeformed.direction);
+    return norm(length) > 0.0 && std::fabs(dot(length, direction)) < std::sqrt(0.5);
+  }
 };
 
 }  // namespace

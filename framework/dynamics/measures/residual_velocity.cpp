@@ -23,8 +23,11 @@ class ResidualVelocity final : public Measure {
       for (const std::int32_t n : e.nodes)
         momentum = momentum + 0.125 * e.mass * model.nodes[static_cast<std::size_t>(n)].velocity;
     }
-    Vec3 v{not_measurable, not_measurable, not_measurable};
-    if (mass > 0.0) v = momentum * (1.0 / mass);
+    if (!(mass > 0.0)) {
+      const std::string reason = nothing_left(part);
+      return {unknown("x", reason), unknown("y", reason), unknown("z", reason), unknown("speed", reason)};
+    }
+    const Vec3 v = momentum * (1.0 / mass);
     return {{"x", v.x}, {"y", v.y}, {"z", v.z}, {"speed", norm(v)}};
   }
 
