@@ -126,6 +126,7 @@ class Kernel {
   static constexpr double sensor_factor = 2.0, most_sensed = 2.0, sensor_loss = 0.125;
   /// Where the velocity jumps by 1/400 of the wave speed across an element, all of the linear viscosity acts anyway.
   static constexpr double jump_factor = 400.0;
+  static constexpr double least_rate = 1e-20;  // below it, a dilatation rate counts as zero [1/s]
   /// Square of frequency times step that hourglass control by stiffness may give to the modes of an element: half of
   /// the limit of stability.
   static constexpr double most_effect_of_growth = 2.0;
@@ -436,13 +437,16 @@ class Kernel {
   /// widened to many elements do not show in it; if they are strong, they do in the jump of velocity per element.
   [[gnu::always_inline]] static V shock_share(const Work& w, int block, int lane, const Piece& p, V rate) {
     Real *last_rate = state_at(w, block, dilatation_rate, lane), *sensor = state_at(w, block, shock_sensor, lane);
-    const V crossed = p.c * static_cast<Real>(w.dt) / p.k.length;  // way of a wave in the step over the length
-    const V change = (rate - load_lanes(last_rate)) / (crossed * rate + tiny<Real>);
+    const auto dt = static_cast<Real>(w.dt);
+    const V length2 = p.k.length * p.k.length, size = abs_of(rate) + Real(least_rate);
+    const V inverse = Real(1.0) / (p.c * p.k.length * size);  // divisions are slow: one serves three quotients
+    const V crossed = dt * (p.c * p.c) * size * inverse;      // way of a wave in the step over the length
+    const V change = (rate - load_lanes(last_rate)) * (length2 * inverse) * (Real(1.0) / dt);
+    const V jump = Real(-jump_factor) * rate * length2 * (size * inverse);
     const V forgotten = load_lanes(sensor) - Real(sensor_loss) * crossed;
     const V sensed = min_of(max_of(forgotten, Real(sensor_factor) * change * change), lanes(Real(most_sensed)));
     store_lanes(last_rate, rate);
     store_lanes(sensor, sensed);
-    const V jump = Real(-jump_factor) * rate * p.k.length / p.c;
     return min_of(max_of(sensed, jump), lanes(Real(1.0)));
   }
 
