@@ -183,6 +183,40 @@ def test_small_bodies_are_stable_at_the_default_step(kerf, cells, bulk):
     assert np.abs(run.history["balance_error"]).max() < 5e-3
 
 
+@pytest.mark.parametrize("strength", [{"type": "elastic"}, {"type": "elastic_plastic", "yield_stress": 0.2e6}],
+                         ids=["elastic", "plastic"])
+@pytest.mark.parametrize("speed", [20.0, 30.0, 60.0])
+def test_a_soft_block_that_starts_on_a_wall_gains_nothing(kerf, strength, speed):
+    """Gelatine, K/G 17, at up to a quarter of its wave speed. Where the step shrinks while forces are large, the books of
+    central differences are off by F^2/m times (new^2 - old^2)/8 of the steps: the first step must be short."""
+    run = kerf(
+        {
+            "title": "a soft block on a wall",
+            "time": {"end": 2e-4},
+            "materials": {
+                "gel": {
+                    "density": 1000,
+                    "strength": {"shear_modulus": 3e6, **strength},
+                    "eos": {"type": "linear", "bulk_modulus": 50e6},
+                }
+            },
+            "parts": {
+                "block": {
+                    "material": "gel",
+                    "mesh": {"type": "block", "size": [20e-3] * 3, "cell_size": 2e-3},
+                    "velocity": [-speed, 0, 0],
+                }
+            },
+            "boundaries": [{"type": "rigid_wall", "point": [0, 0, 0], "normal": [1, 0, 0]}],
+            "output": {"history_interval": 2e-6, "results_interval": 1},
+        }
+    )
+    balance = run.history["balance_error"]
+    print("least and greatest error", balance.min(), balance.max())
+    # Measured: -0.33 to 0.00 %, for the step grows after the start; 0.5 to 1.8 % with a first step of 0.3 cells.
+    assert balance.max() < 1e-3 and balance.min() > -4e-3
+
+
 def test_cells_between_planes_of_symmetry_keep_the_step_of_a_plane_wave(kerf):
     """A row of single cells that conditions hold on all sides has nowhere to breathe, and pays nothing for it."""
     planes = [
