@@ -86,8 +86,7 @@ void warn_of_fast_walls(const Model& model, const Encounters& encounters, Lines&
     const double arrival = encounters.time_to_region(p);
     // What starts on the wall is stopped in a short first step.
     if (!s.flies() || !(arrival > 0.0) || arrival > time.end) continue;
-    const double wave_speed =
-        std::sqrt((part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus) / part.material->density);
+    const double wave_speed = std::sqrt((part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus) / part.material->density);
     const double ratio = norm(s.velocity) / wave_speed;
     if (!(ratio > fast)) continue;
     lines.push_back(warning(

@@ -414,13 +414,14 @@ class Kernel {
     p.wave = wave > Real(0.0) ? wave : V{};
     p.c = sqrt_of(p.wave / p.density) + tiny<Real>;
     const auto& strain = rows.step.strain;
-    const V dilatation = (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) /
-                         static_cast<Real>(w.dt);
+    const Real per_dt = Real(1.0) / static_cast<Real>(w.dt);
+    const V dilatation =
+        (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) * per_dt;
     const V closing = dilatation < Real(0.0) ? -dilatation : V{};
     const V quadratic = quadratic_viscosity_ * p.k.length * closing;
     V linear = linear_viscosity_ * p.c;
     p.viscosity = linear + quadratic;
-    if (limited_viscosity_) linear *= shock_share(w, block, lane, p, dilatation);
+    if (limited_viscosity_) linear *= shock_share(w, block, lane, p, dilatation, per_dt);
     p.q = p.k.volume > Real(0.0) ? p.density * p.k.length * closing * (linear + quadratic) : V{};
     Real* stored = at(w.element_state, w.n_element_state, block, 0, lane);
     const V old_q = load_lanes(stored);
@@ -437,13 +438,13 @@ class Kernel {
   /// wave crosses an element. In a shock that is captured over a few elements, and in the oscillations behind it, it
   /// changes by as much as it is. The sensor follows these changes at once and forgets them slowly. Fronts that have
   /// widened to many elements do not show in it; if they are strong, they do in the jump of velocity per element.
-  [[gnu::always_inline]] static V shock_share(const Work& w, int block, int lane, const Piece& p, V rate) {
+  [[gnu::always_inline]] static V shock_share(const Work& w, int block, int lane, const Piece& p, V rate, Real per_dt) {
     Real *last_rate = state_at(w, block, dilatation_rate, lane), *sensor = state_at(w, block, shock_sensor, lane);
-    const auto dt = static_cast<Real>(w.dt);
     const V length2 = p.k.length * p.k.length, size = abs_of(rate) + Real(least_rate);
     const V inverse = Real(1.0) / (p.c * p.k.length * size);  // divisions are slow: one serves three quotients
-    const V crossed = dt * (p.c * p.c) * size * inverse;      // way of a wave in the step over the length
-    const V change = (rate - load_lanes(last_rate)) * (length2 * inverse) * (Real(1.0) / dt);
+    // Way of a wave in the step over the length of the element.
+    const V crossed = static_cast<Real>(w.dt) * (p.c * p.c) * size * inverse;
+    const V change = (rate - load_lanes(last_rate)) * (length2 * inverse) * per_dt;
     const V jump = Real(-jump_factor) * rate * length2 * (size * inverse);
     const V forgotten = load_lanes(sensor) - Real(sensor_loss) * crossed;
     const V sensed = min_of(max_of(forgotten, Real(sensor_factor) * change * change), lanes(Real(most_sensed)));
