@@ -74,6 +74,29 @@ void warn_of_late_contact(const Model& model, const Encounters& encounters, cons
                                       who, first, end)));
 }
 
+/// Bodies that a wall stops at a good share of their wave speed. The nodes are stopped in the middle of a step, and the
+/// step then shrinks while the forces are large, which makes energy; see doc/theory/time_integration.md.
+void warn_of_fast_walls(const Model& model, const Encounters& encounters, Lines& lines) {
+  constexpr double fast = 0.1, sure_factor = 0.6;
+  const TimeInput& time = model.input->time;
+  if (time.safety_factor <= sure_factor) return;
+  for (int p = 0; p < static_cast<int>(model.parts.size()); ++p) {
+    const PartModel& part = model.parts[index(p)];
+    const PartStart& s = encounters.parts()[index(p)];
+    const double arrival = encounters.time_to_region(p);
+    // What starts on the wall is stopped in a short first step.
+    if (!s.flies() || !(arrival > 0.0) || arrival > time.end) continue;
+    const double wave_speed = std::sqrt((part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus) / part.material->density);
+    const double ratio = norm(s.velocity) / wave_speed;
+    if (!(ratio > fast)) continue;
+    lines.push_back(warning(
+        part.input->mesh->origin,
+        fmt::format("part {} strikes a wall at {:.2g} of its wave speed, which may raise its energy by 1.5 % at a "
+                    "safety_factor of {:g}; set time.safety_factor to {:g}, or let the part start on the wall",
+                    part.input->name, ratio, time.safety_factor, sure_factor)));
+  }
+}
+
 void warn_of_idle_parts(const Model& model, const Encounters& encounters, Lines& lines) {
   for (int p = 0; p < static_cast<int>(model.parts.size()); ++p) {
     const PartStart& s = encounters.parts()[index(p)];
@@ -219,6 +242,7 @@ Lines model_warnings(Model& model, const ContactCover& cover) {
   const Encounters encounters(model, cover);
   warn_of_missing_contact(model, encounters, cover, lines);
   warn_of_late_contact(model, encounters, cover, lines);
+  warn_of_fast_walls(model, encounters, lines);
   warn_of_idle_parts(model, encounters, lines);
   warn_of_single_layers(model, encounters, lines);
   warn_of_single_cells(model, encounters, lines);

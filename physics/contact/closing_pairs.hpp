@@ -77,11 +77,6 @@ inline Vec3 relative_velocity(const ContactView& view, const ContactTouch& t) {
   return v;
 }
 
-/// Speed at which it goes deeper [m/s].
-inline double closing_speed(const ContactView& view, const ContactTouch& t) {
-  return -dot(relative_velocity(view, t), t.direction);
-}
-
 /// Adds a touch, with the stiffness f K A^2 / V of a penalty f; or lets its node go where it comes to lie deeper than is
 /// held.
 inline void hold_or_let_go(const ContactView& view, const FacetSlabs& slabs, double penalty, ContactTouch touch,

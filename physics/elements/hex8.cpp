@@ -15,9 +15,10 @@ using namespace kerf;
 struct Hex8 final : Element {
   std::string hourglass, stable_step;
   double hourglass_coefficient = 0.0, linear_viscosity = 0.0, quadratic_viscosity = 0.0;
+  bool linear_viscosity_limiter = true;
 
   struct State {
-    double bulk_viscosity_pressure, resistance[12], free_share;
+    double bulk_viscosity_pressure, resistance[12], free_share, dilatation_rate, shock_sensor;
   };
 
   static void describe(Schema<Hex8>& s) {
@@ -32,6 +33,9 @@ struct Hex8 final : Element {
         .usual(between(0.01, 0.1));
     s.real(&Hex8::linear_viscosity, "linear_viscosity", "-", between(0.0, 2.0), "linear bulk viscosity coefficient")
         .by_default("0.06");
+    s.boolean(&Hex8::linear_viscosity_limiter, "linear_viscosity_limiter",
+              "linear bulk viscosity at shocks and behind them only, not in smooth flow")
+        .by_default("true");
     s.real(&Hex8::quadratic_viscosity, "quadratic_viscosity", "-", between(0.0, 10.0),
            "quadratic bulk viscosity coefficient")
         .by_default("1.5");
@@ -42,6 +46,10 @@ struct Hex8 final : Element {
     s.state(&State::bulk_viscosity_pressure, "bulk_viscosity_pressure", "Pa", 0.0, "bulk viscosity pressure");
     s.state(&State::free_share, "free_share", "-", 0.0,
             "freedom to breathe for want of neighbours: 1 for an element that stands alone");
+    s.state(&State::dilatation_rate, "dilatation_rate", "1/s", 0.0, "rate of the volumetric strain in the last step");
+    s.state(&State::shock_sensor, "shock_sensor", "-", 0.0,
+            "how abruptly the dilatation rate has changed of late: 1 or more at shocks, where all of the linear "
+            "viscosity acts");
   }
 
   std::vector<StateVariable> state_variables() const override {
@@ -64,6 +72,7 @@ struct Hex8 final : Element {
   hex8::Control control() const {
     return {.free_element = stable_step == "free_element",
             .stiffness = hourglass == "stiffness",
+            .limited_viscosity = linear_viscosity_limiter,
             .hourglass_coefficient = hourglass_coefficient,
             .linear_viscosity = linear_viscosity,
             .quadratic_viscosity = quadratic_viscosity};

@@ -183,6 +183,63 @@ def test_small_bodies_are_stable_at_the_default_step(kerf, cells, bulk):
     assert np.abs(run.history["balance_error"]).max() < 5e-3
 
 
+def soft_block_on_a_wall(strength, speed, gap, **time):
+    """Gelatine, K/G 17; waves run at 232 m/s."""
+    return {
+        "title": "a soft block and a wall",
+        "time": {"end": 2e-4, **time},
+        "materials": {
+            "gel": {
+                "density": 1000,
+                "strength": {"shear_modulus": 3e6, **strength},
+                "eos": {"type": "linear", "bulk_modulus": 50e6},
+            }
+        },
+        "parts": {
+            "block": {
+                "material": "gel",
+                "mesh": {"type": "block", "origin": [gap, 0, 0], "size": [20e-3] * 3, "cell_size": 2e-3},
+                "velocity": [-speed, 0, 0],
+            }
+        },
+        "boundaries": [{"type": "rigid_wall", "point": [0, 0, 0], "normal": [1, 0, 0]}],
+        "output": {"history_interval": 2e-6, "results_interval": 1},
+    }
+
+
+ELASTIC, PLASTIC = {"type": "elastic"}, {"type": "elastic_plastic", "yield_stress": 0.2e6}
+
+
+@pytest.mark.parametrize("strength", [ELASTIC, PLASTIC], ids=["elastic", "plastic"])
+@pytest.mark.parametrize("speed", [20.0, 30.0, 60.0])
+def test_a_soft_block_that_starts_on_a_wall_gains_nothing(kerf, strength, speed):
+    """Where the step shrinks while forces are large, the books of central differences are off by F^2/m times
+    (old^2 - new^2)/8 of the steps: the first step must be short."""
+    run = kerf(soft_block_on_a_wall(strength, speed, 0.0))
+    balance = run.history["balance_error"]
+    print("least and greatest error", balance.min(), balance.max())
+    # Measured: -0.33 to 0.00 %, for the step grows after the start; 0.5 to 1.8 % with a first step of 0.3 cells.
+    assert balance.max() < 1e-3 and balance.min() > -4e-3
+    assert run.summary["warnings"] == []
+
+
+# The gap that is worst at 60 m/s and the default factor, where the energy grows by 1.4 %.
+@pytest.mark.parametrize("factor, warns, bound", [(0.9, True, 0.016), (0.6, False, 0.0015)])
+def test_a_fast_soft_block_is_warned_of_and_balances_as_the_warning_says(kerf, factor, warns, bound):
+    run = kerf(soft_block_on_a_wall(PLASTIC, 60.0, 3.2e-3, safety_factor=factor))
+    balance = np.abs(run.history["balance_error"]).max()
+    print("error", balance, run.summary["warnings"])
+    assert balance < bound
+    said = [w for w in run.summary["warnings"] if "strikes a wall at 0.26 of its wave speed" in w]
+    assert len(said) == (1 if warns else 0) and len(said) == len(run.summary["warnings"])
+
+
+def test_a_slow_soft_block_is_not_warned_of(kerf):
+    run = kerf(soft_block_on_a_wall(ELASTIC, 20.0, 0.3e-3))
+    assert run.summary["warnings"] == []
+    assert np.abs(run.history["balance_error"]).max() < 6e-3  # measured: 0.55 %
+
+
 def test_cells_between_planes_of_symmetry_keep_the_step_of_a_plane_wave(kerf):
     """A row of single cells that conditions hold on all sides has nowhere to breathe, and pays nothing for it."""
     planes = [
