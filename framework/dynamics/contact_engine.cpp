@@ -312,7 +312,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
   mass_.assign(n, 0.0);
   force_.assign(4 * n, 0);
   friction_.assign(4 * n, 0);
-  share_.assign(n, 0);
+  share_.assign(MassSplit::width * n, 0);
   load_ = {};
   plan_.reset();
   if (model.n_ranks() == 1) {
@@ -326,7 +326,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
     load_.nodes = plan_->sources();
     const auto n_local = static_cast<std::size_t>(model.nodes.n());
     owned_force_.assign(4 * n_local, 0);
-    owned_share_.assign(n_local, 0);
+    owned_share_.assign(MassSplit::width * n_local, 0);
     owned_position_.assign(4 * n_local, 0.0);
     owned_velocity_.assign(4 * n_local, 0.0);
   }
@@ -514,9 +514,10 @@ void ContactEngine::split_masses(const ContactView& view, double quantum) {
   std::fill(share_.begin(), share_.end(), 0);
   add_shares(view, touches_, {share_.data(), quantum});
   if (!plan_) return;
-  for (const std::int32_t n : load_.nodes) owned_share_[static_cast<std::size_t>(n)] = 0;
-  plan_->push_add(share_.data(), 1, owned_share_.data(), 1, 1);
-  plan_->pull(owned_share_.data(), 1, share_.data(), 1, 1);
+  constexpr int width = MassSplit::width;
+  for (const std::int32_t n : load_.nodes) std::fill_n(&owned_share_[width * static_cast<std::size_t>(n)], width, 0);
+  plan_->push_add(share_.data(), width, owned_share_.data(), width, width);
+  plan_->pull(owned_share_.data(), width, share_.data(), width, width);
 }
 
 /// The sums of all ranks for the nodes that this one owns: by local node, or by node of the view on one rank.
@@ -591,6 +592,29 @@ ContactView ContactEngine::view() const {
   return v;
 }
 
+/// Velocities and sums of all ranks for the rounds of impacts.
+class ContactEngine::Exchange final : public ImpactExchange {
+ public:
+  Exchange(ContactEngine& engine, const Model& model) : engine_(engine), model_(model) {}
+  const double* velocities() override {
+    if (any_forces_) engine_.push_velocities(model_);
+    any_forces_ = true;
+    return engine_.pushed_velocity_.data();
+  }
+  void add_up(std::vector<std::int64_t>& rows) override {
+    if (!engine_.plan_) return;
+    for (const std::int32_t n : engine_.load_.nodes)
+      std::fill_n(&engine_.owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
+    engine_.plan_->push_add(rows.data(), 4, engine_.owned_force_.data(), 4, 4);
+    engine_.plan_->pull(engine_.owned_force_.data(), 4, rows.data(), 4, 4);
+  }
+
+ private:
+  ContactEngine& engine_;
+  const Model& model_;
+  bool any_forces_ = false;
+};
+
 void ContactEngine::add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers) {
   prediction_ = &prediction;
   {
@@ -609,10 +633,8 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   ContactForces forces(force_.data(), friction_.data(), model.quanta.force);
   Impacts impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass});
   pushed_velocity_ = velocity_;
-  for (int round = 0; round < Impacts::rounds; ++round) {
-    if (round > 0) push_velocities(model);
-    impacts.add_round(pushed_velocity_.data(), forces);
-  }
+  Exchange exchange(*this, model);
+  impacts.add_to(forces, exchange);
   if (forces.overflow_node() >= 0)
     trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
                            found_->node_id[forces.overflow_node()],

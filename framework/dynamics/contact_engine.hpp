@@ -74,6 +74,7 @@ class ContactEngine {
   std::vector<std::string> initial_penetrations(Model& model);
 
  private:
+  class Exchange;
   /// Where a node may be before the candidates become incomplete, seen from the common frame.
   struct Tracked {
     Box box;

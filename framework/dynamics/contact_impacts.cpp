@@ -8,6 +8,8 @@ namespace kerf {
 
 namespace {
 
+constexpr std::int64_t one_carrier = std::int64_t{1} << 32;  // in the packed roles of a node
+
 const std::int32_t* corners_of(const ContactView& view, const ContactTouch& t) {
   return view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
 }
@@ -31,12 +33,44 @@ double effective_mass(const ContactView& view, const ContactTouch& t, const Mass
   const std::int32_t* n = corners_of(view, t);
   const auto share = static_cast<double>(share_of(view, t, split.quantum));
   const auto part = [&](int node) {
-    return static_cast<double>(split.shares[node]) / (share * view.mass[node]) * view.mobility(node, along);
+    return split.shares(node) / (share * view.mass[node]) * view.mobility(node, along);
   };
   double inverse = part(t.node);
   if (t.second >= 0) inverse = (1.0 - t.second_weight) * inverse + t.second_weight * part(t.second);
   for (int k = 0; k < 4; ++k) inverse += t.weights[k] * part(n[k]);
   return 1.0 / inverse;
+}
+
+/// Whether the facet carries the node: the lighter side rides on the heavier one. Among equals the part with the lower
+/// number does, or the node with the lower id. Where boundary conditions hold a node that takes part, nothing is
+/// carried, nor are edges.
+bool is_carried(const ContactView& view, const ContactTouch& t) {
+  constexpr double equal = 1e-6;  // far more than round-off of masses that are meant to be equal
+  constexpr double all = 1.0 - 1e-9;  // of a mobility
+  const std::int32_t* n = corners_of(view, t);
+  double across = 0.0;
+  bool moves = view.mobility(t.node, t.direction) > all, lower = true;
+  for (int k = 0; k < 4; ++k) {
+    across += t.weights[k] * view.mass[n[k]];
+    moves = moves && view.mobility(n[k], t.direction) > all;
+    lower = lower && view.node_id[t.node] < view.node_id[n[k]];
+  }
+  if (!moves || t.second >= 0) return false;
+  const double mass = view.mass[t.node];
+  if (std::fabs(mass - across) > equal * across) return mass < across;
+  const std::int32_t part = view.node_part[t.node], other = view.facet_part[t.facet];
+  return part != other ? part < other : lower;
+}
+
+/// Whether an impact moves what it should. Where boundary conditions hold nearly all of it, the mass is infinite or far
+/// beyond that of the nodes, and the rest would race off sideways.
+bool moves(const ContactView& view, const ContactTouch& t, double mass) {
+  constexpr double most = 10.0;  // without held nodes, a corner that takes all is 4 times as heavy as the mean
+  const std::int32_t* n = corners_of(view, t);
+  double greatest = view.mass[t.node];
+  if (t.second >= 0) greatest = max_of(greatest, view.mass[t.second]);
+  for (int k = 0; k < 4; ++k) greatest = max_of(greatest, view.mass[n[k]]);
+  return mass <= most * greatest;
 }
 
 /// Velocity of the node, or of the point of the edge, relative to the point that it touches [m/s].
@@ -86,13 +120,24 @@ void ContactForces::add_to(std::int64_t* sums, const ContactTouch& touch, const 
   }
 }
 
+double MassSplit::roles(int node) const {
+  const std::int64_t packed = rows[width * static_cast<std::int64_t>(node) + 1];
+  const std::int64_t n = packed % one_carrier + (packed >= one_carrier ? 1 : 0);
+  return static_cast<double>(n > 1 ? n : 1);
+}
+
 void add_shares(const ContactView& view, const ContactTouches& touches, const MassSplit& split) {
+  const auto row = [&split](int node) { return split.rows + MassSplit::width * static_cast<std::int64_t>(node); };
   for (const ContactTouch& t : touches.touches()) {
     const std::int64_t share = share_of(view, t, split.quantum);
+    const std::int32_t* n = corners_of(view, t);
     const std::int64_t of_second = t.second >= 0 ? share_of_corner(share, t.second_weight) : 0;
-    split.shares[t.node] += share - of_second;
-    if (t.second >= 0) split.shares[t.second] += of_second;
-    for (int k = 0; k < 4; ++k) split.shares[corners_of(view, t)[k]] += share_of_corner(share, t.weights[k]);
+    row(t.node)[0] += share - of_second;
+    if (t.second >= 0) row(t.second)[0] += of_second;
+    for (int k = 0; k < 4; ++k) row(n[k])[0] += share_of_corner(share, t.weights[k]);
+    if (!is_carried(view, t)) continue;
+    row(t.node)[1] += 1;
+    for (int k = 0; k < 4; ++k) row(n[k])[1] += one_carrier;
   }
 }
 
@@ -103,8 +148,84 @@ Impacts::Impacts(const ContactView& view, const ContactTouches& touches, const C
   for (const ContactTouch& t : touches.touches()) {
     const double closing = -dot(relative_velocity(view, t, view.velocity), t.direction);
     const double mass = effective_mass(view, t, split, t.direction);
-    if (!std::isfinite(mass)) continue;  // nothing moves
-    impacts_.push_back({.touch = &t, .mass = mass, .wanted = wanted_speed(t, response, closing, mass, view.dt)});
+    if (!moves(view, t, mass)) continue;
+    impacts_.push_back({.touch = &t,
+                        .mass = mass,
+                        .wanted = wanted_speed(t, response, closing, mass, view.dt),
+                        .carried = is_carried(view, t)});
+  }
+}
+
+void Impacts::add_to(ContactForces& forces, ImpactExchange& exchange) {
+  scale_ = forces.scale();
+  for (int round = 0; round < rounds; ++round) {
+    const double* velocity = exchange.velocities();
+    if (round % 3 != 0) {
+      add_round(velocity, forces);
+      continue;
+    }
+    load(velocity, forces);
+    exchange.add_up(loads_);
+    carry(velocity, forces);
+  }
+}
+
+/// Sums up what the corners of facets are to carry: of every touch that closes faster than it should, or has a push
+/// that may be taken back, the mass and the momentum of the excess.
+void Impacts::load(const double* velocity, const ContactForces& forces) {
+  loads_.assign(4 * static_cast<std::size_t>(view_.n_nodes), 0);
+  const double per_impulse = forces.scale().per_quantum / view_.kick_dt;
+  for (Impact& i : impacts_) {
+    if (!i.carried) continue;
+    const ContactTouch& t = *i.touch;
+    const double mass = part_of_mass(t.node);
+    i.excess = -dot(relative_velocity(view_, t, velocity), t.direction) - i.wanted;
+    i.excess = mass > 0.0 ? max_of(i.excess, -i.push / mass) : 0.0;
+    if (i.excess == 0.0) continue;
+    for (int k = 0; k < 4; ++k) {
+      std::int64_t* row = &loads_[4 * static_cast<std::size_t>(corners_of(view_, t)[k])];
+      const Vec3 momentum = t.direction * (-i.excess * mass * t.weights[k] * per_impulse);
+      if (!(norm(momentum) < ForceScale::limit)) continue;  // the force will be too large as well, and be told of
+      for (int d = 0; d < 3; ++d) row[d] += std::llrint(momentum[d]);
+      row[3] += std::llrint(mass * t.weights[k] / split_.quantum);
+    }
+  }
+}
+
+/// Whether no corner of a facet has to carry too much.
+bool Impacts::can_carry(const ContactTouch& t) const {
+  for (int k = 0; k < 4; ++k) {
+    const std::int32_t corner = corners_of(view_, t)[k];
+    if (t.weights[k] > 0.0 && !(load_of(corner) <= greatest_load * part_of_mass(corner))) return false;
+  }
+  return true;
+}
+
+/// Velocity that a corner gets from what it carries [m/s].
+Vec3 Impacts::carried_along(int corner) const {
+  const std::int64_t* row = &loads_[4 * static_cast<std::size_t>(corner)];
+  const double mass = part_of_mass(corner) + load_of(corner);
+  if (!(mass > 0.0)) return {};
+  const double factor = view_.kick_dt * scale_.quantum / mass;
+  const unsigned held = view_.held_axes(corner);
+  Vec3 v;
+  for (int d = 0; d < 3; ++d) v[d] = (held >> d & 1u) != 0 ? 0.0 : static_cast<double>(row[d]) * factor;
+  return v;
+}
+
+void Impacts::carry(const double* velocity, ContactForces& forces) {
+  for (Impact& i : impacts_) {
+    const ContactTouch& t = *i.touch;
+    if (i.carried ? !can_carry(t) : t.second >= 0) {
+      hit(i, velocity, forces, 0.5);
+      continue;
+    }
+    if (!i.carried || i.excess == 0.0) continue;
+    Vec3 along;
+    for (int k = 0; k < 4; ++k) along = along + carried_along(corners_of(view_, t)[k]) * t.weights[k];
+    const double before = i.push;
+    i.push = max_of(i.push + part_of_mass(t.node) * (i.excess + dot(along, t.direction)), 0.0);
+    forces.add(t, corners_of(view_, t), t.direction * ((i.push - before) / view_.kick_dt));
   }
 }
 
@@ -118,18 +239,21 @@ Vec3 Impacts::friction(const Impact& impact, const ContactTouch& touch, Vec3 sli
 }
 
 void Impacts::add_round(const double* velocity, ContactForces& forces) {
-  for (Impact& i : impacts_) {
-    const ContactTouch& t = *i.touch;
-    const Vec3 v = relative_velocity(view_, t, velocity);
-    const double closing = -dot(v, t.direction), before = i.push;
-    i.push = max_of(i.push + i.mass * (closing - i.wanted), 0.0);
-    const double per_impulse = 1.0 / view_.kick_dt;
-    forces.add(t, corners_of(view_, t), t.direction * ((i.push - before) * per_impulse));
-    if (!(response_.friction > 0.0)) continue;
-    const Vec3 grip = friction(i, t, v + t.direction * closing);
-    forces.add_friction(t, corners_of(view_, t), (grip - i.grip) * per_impulse);
-    i.grip = grip;
-  }
+  for (Impact& i : impacts_) hit(i, velocity, forces, 1.0);
+}
+
+/// The given part of one impact, side by side with all others of its round.
+void Impacts::hit(Impact& i, const double* velocity, ContactForces& forces, double part) const {
+  const ContactTouch& t = *i.touch;
+  const Vec3 v = relative_velocity(view_, t, velocity);
+  const double closing = -dot(v, t.direction), before = i.push;
+  i.push = max_of(i.push + part * i.mass * (closing - i.wanted), 0.0);
+  const double per_impulse = 1.0 / view_.kick_dt;
+  forces.add(t, corners_of(view_, t), t.direction * ((i.push - before) * per_impulse));
+  if (!(response_.friction > 0.0)) return;
+  const Vec3 grip = friction(i, t, (v + t.direction * closing) * part);
+  forces.add_friction(t, corners_of(view_, t), (grip - i.grip) * per_impulse);
+  i.grip = grip;
 }
 
 }  // namespace kerf

@@ -33,6 +33,7 @@ class ContactForces {
   }
   /// Local number of a node with a force that is not finite or too large, or -1.
   int overflow_node() const { return overflow_node_; }
+  const ForceScale& scale() const { return scale_; }
 
  private:
   void add_to(std::int64_t* sums, const ContactTouch& touch, const std::int32_t* facet_nodes, Vec3 force);
@@ -42,25 +43,48 @@ class ContactForces {
   int overflow_node_ = -1;
 };
 
-/// How the masses of nodes are split between touches, in whole quanta: a sum that does not depend on any order.
+/// How the masses of nodes are split between touches, in whole numbers: sums that do not depend on any order.
 struct MassSplit {
-  std::int64_t* shares;  // per node of the view: sum of the shares of all touches [mass quanta]
+  static constexpr int width = 2;  // of a row
+  std::int64_t* rows;  // per node of the view: shares of all touches [mass quanta], and roles
   double quantum;  // [kg]
+
+  double shares(int node) const { return static_cast<double>(rows[width * static_cast<std::int64_t>(node)]); }
+  /// In how many ways a node takes part in touches that are carried: once for each that carries it, and once more if
+  /// it carries others; at least 1.
+  double roles(int node) const;
 };
 
-/// Adds what each touch asks of the masses of its nodes.
+/// Adds what each touch asks of its nodes.
 void add_shares(const ContactView& view, const ContactTouches& touches, const MassSplit& split);
 
-/// The impacts of all touches of this rank. Since they are computed side by side, one round leaves some of the closing
-/// speed where touches share nodes; further rounds take that away (projected Jacobi iteration).
-/// Momentum between rounds would make fewer of them do, but its overshoots make mismatched meshes buckle.
+/// What the sums over the touches of one rank become, and where they come from.
+class ImpactExchange {
+ public:
+  virtual ~ImpactExchange() = default;
+  /// Velocities of the nodes of the view, four numbers each, with the forces of all ranks so far [m/s]. Collective.
+  virtual const double* velocities() = 0;
+  /// Adds the rows of all ranks, four whole numbers for each node of the view. Collective.
+  virtual void add_up(std::vector<std::int64_t>& rows) = 0;
+};
+
+/// The impacts of all touches of this rank.
+///
+/// Computed side by side, they leave some of the closing speed where touches share nodes, and further rounds take that
+/// away (projected Jacobi iteration). Where meshes differ that is slow, and what is left lets interfaces under pressure
+/// buckle. So there are two kinds of rounds: in one, the lighter node of a touch is carried by the facet, whose corners get the
+/// mass and the momentum of all that they carry, in proportion to their weights (the way in which kinematic slide
+/// surfaces treat slaves: Hallquist, Goudreau & Benson, CMAME 51 (1985) 107-137). For slaves on one surface this is
+/// nearly the solution, whatever the ratio of the meshes.
 class Impacts {
  public:
-  static constexpr int rounds = 8;  // in a step
+  static constexpr int rounds = 12;  // in a step: one in which facets carry nodes, two side by side, and so on
   /// `split` has the shares of the touches of all ranks. The view must outlive this.
   Impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
           const MassSplit& split);
-  /// Adds the forces of one more round, given the velocities that the forces of all rounds so far lead to.
+  /// Adds the forces of all rounds. Collective.
+  void add_to(ContactForces& forces, ImpactExchange& exchange);
+  /// Adds the forces of one round side by side, given the velocities that the forces of all rounds so far lead to.
   void add_round(const double* velocity, ContactForces& forces);
 
  private:
@@ -68,14 +92,31 @@ class Impacts {
     const ContactTouch* touch = nullptr;
     double mass = 0.0, wanted = 0.0;  // that moves [kg]; closing speed that is left [m/s]
     double push = 0.0;  // so far [N s]
+    bool carried = false;
+    double excess = 0.0;  // of the closing speed, if the facet is to carry it in this round [m/s]
     Vec3 grip = {};  // of friction, so far [N s]
   };
   Vec3 friction(const Impact& impact, const ContactTouch& touch, Vec3 sliding) const;
+  void load(const double* velocity, const ContactForces& forces);
+  Vec3 carried_along(int corner) const;
+  void carry(const double* velocity, ContactForces& forces);
+  bool can_carry(const ContactTouch& touch) const;
+  void hit(Impact& impact, const double* velocity, ContactForces& forces, double part) const;
+  double part_of_mass(int node) const { return view_.mass[node] / split_.roles(node); }
+  double load_of(int corner) const {
+    return static_cast<double>(loads_[4 * static_cast<std::size_t>(corner) + 3]) * split_.quantum;
+  }
+
+  /// What a corner may carry at most, over its own mass: with the ratio r, a round multiplies what it does not solve by
+  /// no more than (1 + r/2)^2 / (1 + r) - 1, which is 1/8 for equal masses, 1/3 here, and must stay below 1.
+  static constexpr double greatest_load = 2.0;
 
   const ContactView& view_;
   ContactResponse response_;
   MassSplit split_;
+  ForceScale scale_;
   std::vector<Impact> impacts_;
+  std::vector<std::int64_t> loads_;  // per node, what it carries: momentum [force quanta], mass [mass quanta]
 };
 
 }  // namespace kerf

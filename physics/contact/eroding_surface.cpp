@@ -13,6 +13,7 @@
 #include "closing_pairs.hpp"
 #include "edge_touches.hpp"
 #include "own_surface.hpp"
+#include "smooth_normal.hpp"
 
 namespace {
 
@@ -24,6 +25,7 @@ struct ErodingSurface final : Contact {
   double penalty = 0.4, damping = 0.2, friction = 0.0, depth = 0.6, stability = 0.4;
   static constexpr double opposing = -0.2;  // cosine between the normals of surfaces that may touch
   static constexpr double straight_below = -0.95;  // cosine between the way to the closest point and the normal
+  static constexpr double straight_enough = 0.9;  // cosine between the way to the closest point and the smooth normal
   static constexpr double straight_angle = 3.14159265358979323846;
   bool self_contact = true, edges = true;
 
@@ -69,13 +71,7 @@ struct ErodingSurface final : Contact {
     for (int i = 0; i < view.n_slaves; ++i) {
       pairs.limit_step(i, touches);
       each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
-        ContactTouch touch;
-        touch.node = view.slave[i];
-        touch.facet = facet;
-        for (int k = 0; k < 4; ++k) touch.weights[k] = t.weights[k];
-        touch.direction = t.direction;
-        touch.depth = t.distance;
-        hold_or_let_go(view, slabs, penalty, touch, touches);
+        hold_or_let_go(view, slabs, penalty, smooth_touch(view, view.slave[i], facet, t, slabs, near), touches);
       });
     }
     if (edges) EdgeTouches(view, slabs, opposing).find(touches);
@@ -110,7 +106,39 @@ struct ErodingSurface final : Contact {
     std::vector<Facet> facets;
     int first = -1;  // the facet that is probably closest
     double least_flush = 1e300;  // of those that are left out as flush [m2]
+    std::vector<std::int32_t> round;  // facets round one corner
   };
+
+  /// The touch of a node with the closest point of a surface, along the normal without jumps where the surface is smooth.
+  /// Only facets within their reach count, since others are listed or not by chance.
+  static ContactTouch smooth_touch(const ContactView& view, int node, int facet, const Touch& t, const FacetSlabs& slabs,
+                                   Near& near) {
+    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
+    ContactTouch touch;
+    touch.node = node;
+    touch.facet = facet;
+    for (int k = 0; k < 4; ++k) touch.weights[k] = t.weights[k];
+    touch.direction = t.direction;
+    touch.depth = t.distance;
+    NaturalPoint p{t.weights[1] + t.weights[2] - t.weights[0] - t.weights[3],
+                   t.weights[2] + t.weights[3] - t.weights[0] - t.weights[1], 0};
+    p.corner = p.eta > 0.0 ? (p.xi > 0.0 ? 2 : 3) : (p.xi > 0.0 ? 1 : 0);
+    near.round.clear();
+    const Vec3 s = view.x(node);
+    for (const auto& [f, least_square] : near.facets) {
+      const std::int32_t* m = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
+      const std::int32_t corner = n[p.corner];
+      if (m[0] != corner && m[1] != corner && m[2] != corner && m[3] != corner) continue;
+      if (f == facet || touch_facet(Triangles(view, f), slabs.size(f), s).distance <= slabs.reach(f))
+        near.round.push_back(f);
+    }
+    const Vec3 smooth = smooth_normal(view, slabs, near.round, facet, p);
+    const double along = dot(smooth, t.direction);
+    if (along < straight_enough) return touch;  // at an edge of the body
+    touch.direction = smooth;
+    touch.depth = t.distance * along;
+    return touch;
+  }
 
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
   /// hence by part.

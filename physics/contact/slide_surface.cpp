@@ -12,6 +12,7 @@
 
 #include "closing_pairs.hpp"
 #include "own_surface.hpp"
+#include "smooth_normal.hpp"
 
 namespace {
 
@@ -204,7 +205,7 @@ struct SlideSurface final : Contact {
     std::erase_if(room.round, [&](std::int32_t f) { return is_folded(slabs, f, end.facet); });
     Held held = best_of(view, room.round, entry, slabs);
     if (held.facet < 0) return touch;
-    held.normal = smooth_normal(view, slabs, room, held);
+    held.normal = normal_at(view, slabs, room, held);
     touch = held.touch(node);
     const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(touch.facet);
     Vec3 below = s * -1.0;
@@ -213,41 +214,11 @@ struct SlideSurface final : Contact {
     return touch;
   }
 
-  /// Whether an edge between two segments is one of the body, and not just one of the mesh.
-  static bool is_folded(const FacetSlabs& slabs, std::int32_t a, std::int32_t b) {
-    return dot(slabs.normal(a), slabs.normal(b)) < 0.7;
-  }
-
-  /// The normal at the point of a segment that a node touches, without jumps from one segment to the next: with the
-  /// normals of single segments, bodies without strength would buckle, since a node on an edge would be pushed sideways
-  /// by whichever segment it falls to. In the quarter round the nearest node it is bilinear between the mean normals of
-  /// all segments round that node, of the two along either edge, and of the segment itself. Segments that are folded
-  /// against it do not count.
-  static Vec3 smooth_normal(const ContactView& view, const FacetSlabs& slabs, const Room& room, const Held& held) {
+  static Vec3 normal_at(const ContactView& view, const FacetSlabs& slabs, const Room& room, const Held& held) {
     const std::int32_t* corner = view.facet_nodes + 4 * static_cast<std::int64_t>(held.facet);
     int k = 0;
     while (k < 3 && view.node_id[corner[k]] != room.nearest_id) ++k;
-    const bool is_right = k == 1 || k == 2, is_upper = k >= 2;
-    const int beside_xi = is_upper ? 5 - k : 1 - k, beside_eta = 3 - k;
-    const auto has = [&](std::int32_t f, std::int32_t node) {
-      const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
-      return n[0] == node || n[1] == node || n[2] == node || n[3] == node;
-    };
-    const Vec3 own = slabs.normal(held.facet);
-    Vec3 at_corner, across_xi = own, across_eta = own;
-    for (const std::int32_t f : room.round) {
-      const Vec3 normal = slabs.normal(f);
-      if (is_folded(slabs, f, held.facet)) continue;
-      at_corner = at_corner + normal;
-      if (f == held.facet) continue;
-      if (has(f, corner[beside_xi])) across_xi = own + normal;
-      if (has(f, corner[beside_eta])) across_eta = own + normal;
-    }
-    const auto unit = [](Vec3 v) { return v * (1.0 / norm(v)); };
-    const double u = clamp_to(is_right ? 1.0 - held.xi : 1.0 + held.xi, 0.0, 1.0);
-    const double v = clamp_to(is_upper ? 1.0 - held.eta : 1.0 + held.eta, 0.0, 1.0);
-    return unit(unit(at_corner) * ((1.0 - u) * (1.0 - v)) + unit(across_xi) * (u * (1.0 - v)) +
-                unit(across_eta) * ((1.0 - u) * v) + own * (u * v));
+    return smooth_normal(view, slabs, room.round, held.facet, {held.xi, held.eta, k});
   }
 
   /// The facet that probably has the nearest master node, with what no facet is closer than; or -1 where none can hold

@@ -2,6 +2,7 @@
 #include "parallel/brute_contact.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <cmath>
 
 #include "dynamics/contact_impacts.hpp"
@@ -195,7 +196,7 @@ void BruteContact::predict(const std::map<std::int64_t, std::array<std::int64_t,
 }
 
 std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Quanta& quanta) const {
-  std::vector<std::int64_t> force(4 * node_id_.size(), 0), friction = force, shares(node_id_.size(), 0);
+  std::vector<std::int64_t> force(4 * node_id_.size(), 0), friction = force, shares(MassSplit::width * node_id_.size(), 0);
   ContactForces sink(force.data(), friction.data(), quanta.force);
   const ContactView seen = view();
   ContactTouches touches;
@@ -203,14 +204,20 @@ std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Q
   const MassSplit split{shares.data(), quanta.mass};
   add_shares(seen, touches, split);
   Impacts impacts(seen, touches, law_.response(), split);
+  struct OneRank final : ImpactExchange {
+    std::function<const double*()> pushed;
+    const double* velocities() override { return pushed(); }
+    void add_up(std::vector<std::int64_t>&) override {}
+  } exchange;
   AlignedVector<double> velocity = velocity_;
-  for (int round = 0; round < Impacts::rounds; ++round) {
-    for (std::size_t i = 0; i < 4 * mass_.size() && round > 0; ++i)
+  exchange.pushed = [&] {
+    for (std::size_t i = 0; i < 4 * mass_.size(); ++i)
       if (i % 4 < 3 && mass_[i / 4] > 0.0)
         velocity[i] =
             velocity_[i] + static_cast<double>(force[i]) * (quanta.force.quantum * kick_dt_ / mass_[i / 4]);
-    impacts.add_round(velocity.data(), sink);
-  }
+    return velocity.data();
+  };
+  impacts.add_to(sink, exchange);
   std::map<std::int64_t, std::array<std::int64_t, 3>> result;
   for (std::size_t n = 0; n < node_id_.size(); ++n)
     if (force[4 * n] != 0 || force[4 * n + 1] != 0 || force[4 * n + 2] != 0)

@@ -50,12 +50,17 @@ struct ContactView {
   /// Facets that hold node slave[i]; none for free nodes.
   std::span<const std::int32_t> around_slave(int i) const { return part_of(around, around_rows[i]); }
   Vec3 x(int node) const { return {position[4 * node], position[4 * node + 1], position[4 * node + 2]}; }
+  /// Axes along which boundary conditions hold a node, as bits.
+  unsigned held_axes(int node) const {
+    return static_cast<unsigned>(position[4 * static_cast<std::int64_t>(node) + 3]);
+  }
   /// What a force along `direction` moves of a node: 1, or less where boundary conditions hold it.
   double mobility(int node, Vec3 direction) const {
-    const auto held = static_cast<unsigned>(position[4 * static_cast<std::int64_t>(node) + 3]);
+    const unsigned held = held_axes(node);
+    if (held == 0) return 1.0;
     double moved = 0.0;
     for (int d = 0; d < 3; ++d) moved += (held >> d & 1u) != 0 ? 0.0 : direction[d] * direction[d];
-    return held == 0 ? 1.0 : moved;
+    return moved;
   }
   Vec3 v(int node) const { return {velocity[4 * node], velocity[4 * node + 1], velocity[4 * node + 2]}; }
 

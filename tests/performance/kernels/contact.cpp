@@ -301,7 +301,7 @@ void contact_forces(benchmark::State& state) {
   v.around_rows = found.around_rows.data();
   v.around = found.around.data();
 
-  std::vector<std::int64_t> force(position.size()), shares(mass.size());
+  std::vector<std::int64_t> force(position.size()), shares(MassSplit::width * mass.size());
   std::size_t n_pushed = 0;
   for (auto _ : state) {
     state.PauseTiming();
