@@ -100,16 +100,14 @@ class Impacts {
   void load(const double* velocity, const ContactForces& forces);
   Vec3 carried_along(int corner) const;
   void carry(const double* velocity, ContactForces& forces);
-  bool can_carry(const ContactTouch& touch) const;
+  double share_of_carrying(const ContactTouch& touch) const;
   void hit(Impact& impact, const double* velocity, ContactForces& forces, double part) const;
   double part_of_mass(int node) const { return view_.mass[node] / split_.roles(node); }
   double load_of(int corner) const {
     return static_cast<double>(loads_[4 * static_cast<std::size_t>(corner) + 3]) * split_.quantum;
   }
 
-  /// What a corner may carry at most, over its own mass: with the ratio r, a round multiplies what it does not solve by
-  /// no more than (1 + r/2)^2 / (1 + r) - 1, which is 1/8 for equal masses, 1/3 here, and must stay below 1.
-  static constexpr double greatest_load = 2.0;
+  static constexpr double greatest_factor = 4.0 / 3.0;  // by which a round may solve too much; 2 would be unstable
 
   const ContactView& view_;
   ContactResponse response_;

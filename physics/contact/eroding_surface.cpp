@@ -109,35 +109,52 @@ struct ErodingSurface final : Contact {
     std::vector<std::int32_t> round;  // facets round one corner
   };
 
-  /// The touch of a node with the closest point of a surface, along the normal without jumps where the surface is smooth.
-  /// Only facets within their reach count, since others are listed or not by chance.
+  /// The touch of a node with a surface. Where the surface is smooth, it is at the point where the node passes through
+  /// the facet, or below which it is already at the start of the step, and along the normal without jumps: the closest
+  /// point to the end of the way jumps from one facet to the next, and interfaces under pressure would buckle.
   static ContactTouch smooth_touch(const ContactView& view, int node, int facet, const Touch& t, const FacetSlabs& slabs,
                                    Near& near) {
-    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
     ContactTouch touch;
     touch.node = node;
     touch.facet = facet;
     for (int k = 0; k < 4; ++k) touch.weights[k] = t.weights[k];
     touch.direction = t.direction;
     touch.depth = t.distance;
+    const Vec3 s = view.x(node), v = relative_velocity(view, touch);
+    const double closing = -dot(v, touch.direction);
+    Touch entry = t;
+    if (closing > 0.0)
+      entry = touch_facet(Triangles(view, facet), slabs.size(facet), s - v * min_of(touch.depth / closing, view.dt));
+    const Vec3 smooth = normal_near(view, s, facet, entry, slabs, near);
+    if (dot(smooth, t.direction) < straight_enough) return touch;  // at an edge of the body
+    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
+    Vec3 below = s * -1.0;
+    for (int k = 0; k < 4; ++k) below = below + view.x(n[k]) * entry.weights[k];
+    const double depth = dot(below, smooth);
+    if (!(depth > 0.0)) return touch;  // it slides past the facet
+    for (int k = 0; k < 4; ++k) touch.weights[k] = entry.weights[k];
+    touch.direction = smooth;
+    touch.depth = depth;
+    return touch;
+  }
+
+  /// The normal without jumps at a point of a facet. Facets round its corner count within their reach of
+  /// the node, since others are listed or not by chance.
+  static Vec3 normal_near(const ContactView& view, Vec3 s, int facet, const Touch& t, const FacetSlabs& slabs,
+                          Near& near) {
+    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
     NaturalPoint p{t.weights[1] + t.weights[2] - t.weights[0] - t.weights[3],
                    t.weights[2] + t.weights[3] - t.weights[0] - t.weights[1], 0};
     p.corner = p.eta > 0.0 ? (p.xi > 0.0 ? 2 : 3) : (p.xi > 0.0 ? 1 : 0);
     near.round.clear();
-    const Vec3 s = view.x(node);
+    const std::int32_t corner = n[p.corner];
     for (const auto& [f, least_square] : near.facets) {
       const std::int32_t* m = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
-      const std::int32_t corner = n[p.corner];
       if (m[0] != corner && m[1] != corner && m[2] != corner && m[3] != corner) continue;
       if (f == facet || touch_facet(Triangles(view, f), slabs.size(f), s).distance <= slabs.reach(f))
         near.round.push_back(f);
     }
-    const Vec3 smooth = smooth_normal(view, slabs, near.round, facet, p);
-    const double along = dot(smooth, t.direction);
-    if (along < straight_enough) return touch;  // at an edge of the body
-    touch.direction = smooth;
-    touch.depth = t.distance * along;
-    return touch;
+    return smooth_normal(view, slabs, near.round, facet, p);
   }
 
   /// Calls `push(facet, touch)` for every body that a slave is to be pushed out of. Candidates are sorted by facet id,
