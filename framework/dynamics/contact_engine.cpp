@@ -608,6 +608,7 @@ class ContactEngine::Exchange final : public ImpactExchange {
     engine_.plan_->push_add(rows.data(), 4, engine_.owned_force_.data(), 4, 4);
     engine_.plan_->pull(engine_.owned_force_.data(), 4, rows.data(), 4, 4);
   }
+  double greatest(double value) override { return kerf::greatest(model_.comm, value); }
 
  private:
   ContactEngine& engine_;

@@ -41,25 +41,13 @@ double effective_mass(const ContactView& view, const ContactTouch& t, const Mass
   return 1.0 / inverse;
 }
 
-/// Whether the facet carries the node: the lighter side rides on the heavier one. Among equals the part with the lower
-/// number does, or the node with the lower id. Where boundary conditions hold a node that takes part, nothing is
-/// carried, nor are edges.
+/// Whether the facet carries the node in some rounds: not where boundary conditions hold any of them, nor edges.
 bool is_carried(const ContactView& view, const ContactTouch& t) {
-  constexpr double equal = 1e-6;  // far more than round-off of masses that are meant to be equal
   constexpr double all = 1.0 - 1e-9;  // of a mobility
   const std::int32_t* n = corners_of(view, t);
-  double across = 0.0;
-  bool moves = view.mobility(t.node, t.direction) > all, lower = true;
-  for (int k = 0; k < 4; ++k) {
-    across += t.weights[k] * view.mass[n[k]];
-    moves = moves && view.mobility(n[k], t.direction) > all;
-    lower = lower && view.node_id[t.node] < view.node_id[n[k]];
-  }
-  if (!moves || t.second >= 0) return false;
-  const double mass = view.mass[t.node];
-  if (std::fabs(mass - across) > equal * across) return mass < across;
-  const std::int32_t part = view.node_part[t.node], other = view.facet_part[t.facet];
-  return part != other ? part < other : lower;
+  bool move = t.second < 0 && view.mobility(t.node, t.direction) > all;
+  for (int k = 0; k < 4; ++k) move = move && view.mobility(n[k], t.direction) > all;
+  return move;
 }
 
 /// Whether an impact moves what it should. Where boundary conditions hold nearly all of it, the mass is infinite or far
@@ -158,30 +146,34 @@ Impacts::Impacts(const ContactView& view, const ContactTouches& touches, const C
 
 void Impacts::add_to(ContactForces& forces, ImpactExchange& exchange) {
   scale_ = forces.scale();
-  for (int round = 0; round < rounds; ++round) {
+  double first_excess = 0.0;  // of all ranks [m/s]
+  for (int round = 0; round < most_rounds; round += 3) {
     const double* velocity = exchange.velocities();
-    if (round % 3 != 0) {
-      add_round(velocity, forces);
-      continue;
+    const double excess = load(velocity, forces);
+    if (round == 0 || round >= least_rounds) {
+      const double worst = exchange.greatest(excess);
+      if (round == 0) first_excess = worst;
+      if (!(worst > accuracy * first_excess)) break;
     }
-    load(velocity, forces);
     exchange.add_up(loads_);
     carry(velocity, forces);
+    for (int k = 0; k < 2; ++k) add_round(exchange.velocities(), forces);
   }
 }
 
 /// Sums up what the corners of facets are to carry: of every touch that closes faster than it should, or has a push
-/// that may be taken back, the mass and the momentum of the excess.
-void Impacts::load(const double* velocity, const ContactForces& forces) {
+/// that may be taken back, the mass and the momentum of the excess. Returns the greatest excess of any touch [m/s].
+double Impacts::load(const double* velocity, const ContactForces& forces) {
   loads_.assign(4 * static_cast<std::size_t>(view_.n_nodes), 0);
   const double per_impulse = forces.scale().per_quantum / view_.kick_dt;
+  double greatest = 0.0;
   for (Impact& i : impacts_) {
-    if (!i.carried) continue;
     const ContactTouch& t = *i.touch;
     const double mass = part_of_mass(t.node);
     i.excess = -dot(relative_velocity(view_, t, velocity), t.direction) - i.wanted;
     i.excess = mass > 0.0 ? max_of(i.excess, -i.push / mass) : 0.0;
-    if (i.excess == 0.0) continue;
+    greatest = max_of(greatest, i.excess);
+    if (!i.carried || i.excess == 0.0) continue;
     for (int k = 0; k < 4; ++k) {
       std::int64_t* row = &loads_[4 * static_cast<std::size_t>(corners_of(view_, t)[k])];
       const Vec3 momentum = t.direction * (-i.excess * mass * t.weights[k] * per_impulse);
@@ -190,6 +182,7 @@ void Impacts::load(const double* velocity, const ContactForces& forces) {
       row[3] += std::llrint(mass * t.weights[k] / split_.quantum);
     }
   }
+  return greatest;
 }
 
 /// How much of the solution of a round with loads a touch may take. With the ratio r of load and own mass of a corner,

@@ -66,6 +66,8 @@ class ImpactExchange {
   virtual const double* velocities() = 0;
   /// Adds the rows of all ranks, four whole numbers for each node of the view. Collective.
   virtual void add_up(std::vector<std::int64_t>& rows) = 0;
+  /// The greatest value of all ranks. Collective.
+  virtual double greatest(double value) = 0;
 };
 
 /// The impacts of all touches of this rank.
@@ -78,7 +80,9 @@ class ImpactExchange {
 /// nearly the solution, whatever the ratio of the meshes.
 class Impacts {
  public:
-  static constexpr int rounds = 12;  // in a step: one in which facets carry nodes, two side by side, and so on
+// In a step, in threes: one round in which facets carry nodes, two side by side.
+  static constexpr int least_rounds = 12, most_rounds = 60;
+  static constexpr double accuracy = 0.01;  // excess of the closing speed that may be left, over the first one
   /// `split` has the shares of the touches of all ranks. The view must outlive this.
   Impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
           const MassSplit& split);
@@ -97,7 +101,7 @@ class Impacts {
     Vec3 grip = {};  // of friction, so far [N s]
   };
   Vec3 friction(const Impact& impact, const ContactTouch& touch, Vec3 sliding) const;
-  void load(const double* velocity, const ContactForces& forces);
+  double load(const double* velocity, const ContactForces& forces);
   Vec3 carried_along(int corner) const;
   void carry(const double* velocity, ContactForces& forces);
   double share_of_carrying(const ContactTouch& touch) const;

@@ -134,7 +134,7 @@ struct ErodingSurface final : Contact {
     if (!(depth > 0.0)) return touch;  // it slides past the facet
     for (int k = 0; k < 4; ++k) touch.weights[k] = entry.weights[k];
     touch.direction = smooth;
-    touch.depth = depth;
+    touch.depth = max_of(depth, t.distance * dot(smooth, t.direction));
     return touch;
   }
 

@@ -208,6 +208,7 @@ std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Q
     std::function<const double*()> pushed;
     const double* velocities() override { return pushed(); }
     void add_up(std::vector<std::int64_t>&) override {}
+    double greatest(double value) override { return value; }
   } exchange;
   AlignedVector<double> velocity = velocity_;
   exchange.pushed = [&] {
