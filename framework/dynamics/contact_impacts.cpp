@@ -51,13 +51,13 @@ bool is_carried(const ContactView& view, const ContactTouch& t) {
   constexpr double all = 1.0 - 1e-9;  // of a mobility
   const std::int32_t* n = corners_of(view, t);
   double across = 0.0;
-  bool is_free = view.mobility(t.node, t.direction) > all, lower = true;
+  bool moves = view.mobility(t.node, t.direction) > all, lower = true;
   for (int k = 0; k < 4; ++k) {
     across += t.weights[k] * view.mass[n[k]];
-    is_free = is_free && view.mobility(n[k], t.direction) > all;
+    moves = moves && view.mobility(n[k], t.direction) > all;
     lower = lower && view.node_id[t.node] < view.node_id[n[k]];
   }
-  if (!is_free || t.second >= 0) return false;
+  if (!moves || t.second >= 0) return false;
   const double mass = view.mass[t.node];
   if (std::fabs(mass - across) > equal * across) return mass < across;
   const std::int32_t part = view.node_part[t.node], other = view.facet_part[t.facet];
@@ -161,7 +161,7 @@ void Impacts::add_to(ContactForces& forces, ImpactExchange& exchange) {
 }
 
 /// Sums up what the corners of facets are to carry: of every touch that closes faster than it should, or has a push
-/// that may be taken back, the mass and the momentum of the excess. Of what is taken back, the momentum is negative.
+/// that may be taken back, the mass and the momentum of the excess.
 void Impacts::load(const double* velocity, const ContactForces& forces) {
   loads_.assign(4 * static_cast<std::size_t>(view_.n_nodes), 0);
   const double per_impulse = forces.scale().per_quantum / view_.kick_dt;

@@ -79,7 +79,7 @@ class ImpactExchange {
 /// (1985) 107-137). For slaves on one surface this is nearly the solution, whatever the ratio of the meshes.
 class Impacts {
  public:
-  static constexpr int rounds = 12;  // in a step: one in which facets carry nodes, then two side by side, four times
+  static constexpr int rounds = 12;  // in a step: one in which facets carry nodes, two side by side, and so on
   /// `split` has the shares of the touches of all ranks. The view must outlive this.
   Impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
           const MassSplit& split);
