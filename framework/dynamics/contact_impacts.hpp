@@ -108,16 +108,16 @@ class Impacts {
     return static_cast<double>(loads_[4 * static_cast<std::size_t>(corner) + 3]) * split_.quantum;
   }
 
-  static constexpr double greatest_factor =
-      4.0 / 3.0;  // a round may solve up to this times what is left; 2 would be unstable
+  /// A round may solve up to this times what is left; 2 would be unstable.
+  static constexpr double greatest_factor = 4.0 / 3.0;
 
   const ContactView& view_;
   ContactResponse response_;
   MassSplit split_;
   ForceScale scale_;
   std::vector<Impact> impacts_;
-  std::vector<std::int64_t>
-      loads_;  // per node, what it carries: momentum over kick_dt [force quanta], mass [mass quanta]
+  /// Per node, what it carries: momentum over kick_dt [force quanta], mass [mass quanta].
+  std::vector<std::int64_t> loads_;
 };
 
 }  // namespace kerf
