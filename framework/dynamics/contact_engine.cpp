@@ -32,7 +32,7 @@ ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique
       masters_(model, request_.masters),
       space_(std::move(space)) {
   for (const auto& boundary : model.input->boundaries) mirrored_.emplace_back(model, boundary->nodes());
-  measure_reach(model);
+  measure_sight(model);
 }
 
 double ContactSpeeds::fastest_pair() const {
@@ -41,7 +41,7 @@ double ContactSpeeds::fastest_pair() const {
 }
 
 /// The least sight of any face of any undeformed element. Collective.
-void ContactEngine::measure_reach(const Model& model) {
+void ContactEngine::measure_sight(const Model& model) {
   double least = beyond;
   for (const PartModel& part : model.parts)
     for (int s = 0; s < part.store->n_slots(); ++s) {
@@ -55,7 +55,7 @@ void ContactEngine::measure_reach(const Model& model) {
         least = std::min(least, law_.sight(bounds));
       }
     }
-  least_reach_ = -greatest(model.comm, -least);
+  least_sight_ = -greatest(model.comm, -least);
 }
 
 /// How fast the nodes that take part move, without the ones that have been dropped.

@@ -12,9 +12,9 @@
 
 #include "core/timers.hpp"
 #include "dynamics/candidate_search.hpp"
+#include "dynamics/contact_impacts.hpp"
 #include "dynamics/integrator.hpp"
 #include "dynamics/names.hpp"
-#include "dynamics/contact_impacts.hpp"
 #include "kerf/contact.hpp"
 #include "kerf/partitioner.hpp"
 #include "state/model.hpp"
@@ -57,8 +57,8 @@ class ContactEngine {
   /// Part of a node of the last view.
   std::int32_t part_of(int node) const { return found_->node_part[node]; }
   double mass_of(int node) const { return mass_[node]; }
-  /// Least distance at which a facet sees a node [m].
-  double least_reach() const { return least_reach_; }
+  /// Least distance at which a facet bounds the step of a node that closes in on it [m].
+  double least_sight() const { return least_sight_; }
   /// Forces of the last call on nodes that this rank owns.
   const ContactLoad& load() const { return load_; }
   /// Pairs of nodes and facets that this rank's law has to look at in a step.
@@ -113,7 +113,7 @@ class ContactEngine {
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);
   void measure_speeds(const Model& model);
-  void measure_reach(const Model& model);
+  void measure_sight(const Model& model);
   Vec3 predicted_v(const Model& model, int node) const;
   Vec3 predicted_x(const Model& model, int node) const;
   double dt_ahead() const;
@@ -158,7 +158,7 @@ class ContactEngine {
   std::vector<std::int64_t> force_, owned_force_, friction_, total_force_, share_, owned_share_;
   ContactTouches touches_;
   ContactSpeeds speeds_;
-  double least_reach_ = 0.0;  // of all facets that the model can have [m]
+  double least_sight_ = 0.0;  // of all facets that the model can have [m]
   ContactLoad load_;
   std::string trouble_;
 };

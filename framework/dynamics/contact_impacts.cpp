@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kerf/contact_geometry.hpp"
+
 namespace kerf {
 
 namespace {
 
-constexpr std::int64_t one_carrier = std::int64_t{1} << 32;  // in the packed roles of a node
+constexpr std::int64_t one_carried = std::int64_t{1} << 32;  // touch in which a node carries, in its packed roles
 
 const std::int32_t* corners_of(const ContactView& view, const ContactTouch& t) {
   return view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
@@ -50,28 +52,16 @@ bool is_carried(const ContactView& view, const ContactTouch& t) {
   return move;
 }
 
-/// Whether an impact moves what it should. Where boundary conditions hold nearly all of it, the mass is infinite or far
-/// beyond that of the nodes, and the rest would race off sideways.
+/// Whether an impact moves what it should. Where boundary conditions hold all nodes along nearly all of the direction,
+/// the mass is infinite or far beyond that of the nodes, and the nodes would race off along the axes that are left.
+/// Then there is no impact, though its shares stay counted.
 bool moves(const ContactView& view, const ContactTouch& t, double mass) {
-  constexpr double most = 10.0;  // without held nodes, a corner that takes all is 4 times as heavy as the mean
+  constexpr double most = 10.0;  // a free facet against a held node has up to 4: 1 / sum of w_k^2 / m_k
   const std::int32_t* n = corners_of(view, t);
   double greatest = view.mass[t.node];
   if (t.second >= 0) greatest = max_of(greatest, view.mass[t.second]);
   for (int k = 0; k < 4; ++k) greatest = max_of(greatest, view.mass[n[k]]);
   return mass <= most * greatest;
-}
-
-/// Velocity of the node, or of the point of the edge, relative to the point that it touches [m/s].
-Vec3 relative_velocity(const ContactView& view, const ContactTouch& t, const double* velocity) {
-  const auto v = [velocity](std::int32_t node) {
-    const double* row = velocity + 4 * static_cast<std::int64_t>(node);
-    return Vec3{row[0], row[1], row[2]};
-  };
-  const std::int32_t* n = corners_of(view, t);
-  Vec3 sum = v(t.node);
-  if (t.second >= 0) sum = sum * (1.0 - t.second_weight) + v(t.second) * t.second_weight;
-  for (int k = 0; k < 4; ++k) sum = sum - v(n[k]) * t.weights[k];
-  return sum;
 }
 
 /// The closing speed that an impact leaves [m/s]: what leads just to the surface. Of a depth that is there already some
@@ -110,7 +100,7 @@ void ContactForces::add_to(std::int64_t* sums, const ContactTouch& touch, const 
 
 double MassSplit::roles(int node) const {
   const std::int64_t packed = rows[width * static_cast<std::int64_t>(node) + 1];
-  const std::int64_t n = packed % one_carrier + (packed >= one_carrier ? 1 : 0);
+  const std::int64_t n = packed % one_carried + (packed >= one_carried ? 1 : 0);
   return static_cast<double>(n > 1 ? n : 1);
 }
 
@@ -125,7 +115,7 @@ void add_shares(const ContactView& view, const ContactTouches& touches, const Ma
     for (int k = 0; k < 4; ++k) row(n[k])[0] += share_of_corner(share, t.weights[k]);
     if (!is_carried(view, t)) continue;
     row(t.node)[1] += 1;
-    for (int k = 0; k < 4; ++k) row(n[k])[1] += one_carrier;
+    for (int k = 0; k < 4; ++k) row(n[k])[1] += one_carried;
   }
 }
 
@@ -199,7 +189,7 @@ double Impacts::share_of_carrying(const ContactTouch& t) const {
   return min_of(1.0, greatest_factor * (1.0 + r) / ((1.0 + 0.5 * r) * (1.0 + 0.5 * r)));
 }
 
-/// Velocity that a corner gets from what it carries [m/s].
+/// Change of velocity that a corner gets from what it carries [m/s].
 Vec3 Impacts::carried_along(int corner) const {
   const std::int64_t* row = &loads_[4 * static_cast<std::size_t>(corner)];
   const double mass = part_of_mass(corner) + load_of(corner);
@@ -211,6 +201,8 @@ Vec3 Impacts::carried_along(int corner) const {
   return v;
 }
 
+/// One round in which facets carry nodes, given what their corners carry on all ranks. Edges are not carried: they get
+/// half of their impact side by side.
 void Impacts::carry(const double* velocity, ContactForces& forces) {
   for (Impact& i : impacts_) {
     const ContactTouch& t = *i.touch;

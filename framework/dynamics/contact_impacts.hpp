@@ -46,7 +46,8 @@ class ContactForces {
 /// How the masses of nodes are split between touches, in whole numbers: sums that do not depend on any order.
 struct MassSplit {
   static constexpr int width = 2;  // of a row
-  std::int64_t* rows;  // per node of the view: shares of all touches [mass quanta], and roles
+  std::int64_t* rows;  // per node of the view: shares of all touches [mass quanta]; touches in which it is carried,
+                       // plus 2^32 times the touches in which it carries
   double quantum;  // [kg]
 
   double shares(int node) const { return static_cast<double>(rows[width * static_cast<std::int64_t>(node)]); }
@@ -74,10 +75,10 @@ class ImpactExchange {
 ///
 /// Computed side by side, they leave some of the closing speed where touches share nodes, and further rounds take that
 /// away (projected Jacobi iteration). Where meshes differ that is slow, and what is left lets interfaces under pressure
-/// buckle. So there are two kinds of rounds: in one, the lighter node of a touch is carried by the facet, whose corners get the
-/// mass and the momentum of all that they carry, in proportion to their weights (the way in which kinematic slide
-/// surfaces treat slaves: Hallquist, Goudreau & Benson, CMAME 51 (1985) 107-137). For slaves on one surface this is
-/// nearly the solution, whatever the ratio of the meshes.
+/// buckle. So there is another kind of round: where the node of a touch is lighter than the facet, the facet carries
+/// it. The corners get the mass and the momentum of all that they carry, in proportion to the weights, and then tell
+/// the nodes how fast to go (kinematic slide surfaces treat slaves like that: Hallquist, Goudreau & Benson, CMAME 51
+/// (1985) 107-137). For slaves on one surface this is nearly the solution, whatever the ratio of the meshes.
 class Impacts {
  public:
 // In a step, in threes: one round in which facets carry nodes, two side by side.
@@ -96,8 +97,8 @@ class Impacts {
     const ContactTouch* touch = nullptr;
     double mass = 0.0, wanted = 0.0;  // that moves [kg]; closing speed that is left [m/s]
     double push = 0.0;  // so far [N s]
-    bool carried = false;
-    double excess = 0.0;  // of the closing speed, if the facet is to carry it in this round [m/s]
+    bool carried = false;  // by the facet, in rounds of this kind
+    double excess = 0.0;  // closing speed above the wanted one, in this round; not below what the push allows [m/s]
     Vec3 grip = {};  // of friction, so far [N s]
   };
   Vec3 friction(const Impact& impact, const ContactTouch& touch, Vec3 sliding) const;
@@ -111,14 +112,16 @@ class Impacts {
     return static_cast<double>(loads_[4 * static_cast<std::size_t>(corner) + 3]) * split_.quantum;
   }
 
-  static constexpr double greatest_factor = 4.0 / 3.0;  // by which a round may solve too much; 2 would be unstable
+  /// A round may solve up to this times what is left; 2 would be unstable.
+  static constexpr double greatest_factor = 4.0 / 3.0;
 
   const ContactView& view_;
   ContactResponse response_;
   MassSplit split_;
   ForceScale scale_;
   std::vector<Impact> impacts_;
-  std::vector<std::int64_t> loads_;  // per node, what it carries: momentum [force quanta], mass [mass quanta]
+  /// Per node, what it carries: momentum over kick_dt [force quanta], mass [mass quanta].
+  std::vector<std::int64_t> loads_;
 };
 
 }  // namespace kerf

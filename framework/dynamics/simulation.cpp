@@ -23,7 +23,7 @@ namespace {
 enum Flag : std::int64_t { flag_trouble = 1, flag_failed = 2, flag_signal = 4 };
 
 constexpr double overlap_at_end = 0.1;  // cells that parts in contact may share
-constexpr double unseen = 0.9;  // of its least reach, that contact lets anything travel in a step
+constexpr double unseen = 0.9;  // of the least sight of a facet, that contact lets anything travel in a step
 
 volatile std::sig_atomic_t signal_seen = 0;
 extern "C" void note_signal(int number) { signal_seen = number; }
@@ -356,10 +356,10 @@ ContactSpeeds Simulation::contact_speeds() const {
 /// The longest step in which contact misses nothing [s]: no pair closes too far, and no node comes from where no facet
 /// sees it to behind one.
 double Simulation::contact_step(const ContactSpeeds& speeds) const {
-  double least_reach = std::numeric_limits<double>::max();
-  for (const auto& c : contacts_) least_reach = std::min(least_reach, c->least_reach());
+  double least_sight = std::numeric_limits<double>::max();
+  for (const auto& c : contacts_) least_sight = std::min(least_sight, c->least_sight());
   const double speed = speeds.fastest_pair();
-  return std::min(speeds.longest_step, speed > 0.0 ? unseen * least_reach / speed : speeds.longest_step);
+  return std::min(speeds.longest_step, speed > 0.0 ? unseen * least_sight / speed : speeds.longest_step);
 }
 
 Simulation::Progress Simulation::progress() const {

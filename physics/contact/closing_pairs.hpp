@@ -32,8 +32,8 @@ class ClosingPairs {
       if ((mask_of(closing > Lanes{}) & in_use) == 0) return false;
       const FacetSlabs::Seen seen(slabs_, some, s);
       const Lanes sight = FacetSlabs::sight * seen.deepest, height = seen.height;
-      const Lanes way = min_of(first_depth * seen.deepest + max_of(height, Lanes{}),
-                               max_of(sight + height, 0.1 * seen.deepest));
+      const Lanes way =
+          min_of(first_depth * seen.deepest + max_of(height, Lanes{}), max_of(sight + height, 0.1 * seen.deepest));
       // A pair that would not shorten the step needs no closest point.
       unsigned close = mask_of((closing * view_.dt > slow * seen.deepest) & (height >= -sight) &
                                (way < touches.longest_step() * closing));
@@ -69,16 +69,8 @@ class ClosingPairs {
   bool fast_;
 };
 
-/// Velocity of the node of a touch relative to the point that it touches [m/s].
-inline Vec3 relative_velocity(const ContactView& view, const ContactTouch& t) {
-  const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
-  Vec3 v = view.v(t.node);
-  for (int k = 0; k < 4; ++k) v = v - view.v(n[k]) * t.weights[k];
-  return v;
-}
-
-/// Adds a touch, with the stiffness f K A^2 / V of a penalty f; or lets its node go where it comes to lie deeper than is
-/// held.
+/// Adds a touch, with the stiffness f K A^2 / V of a penalty f. Where its node comes to lie deeper than is held, lets
+/// it go in place of that.
 inline void hold_or_let_go(const ContactView& view, const FacetSlabs& slabs, double penalty, ContactTouch touch,
                            ContactTouches& touches) {
   const FacetGeometry g(view, touch.facet);

@@ -32,7 +32,8 @@ struct ErodingSurface final : Contact {
   static void describe(Schema<ErodingSurface>& s) {
     s.texts(&ErodingSurface::parts, "parts", "parts or sets in contact with one another; all where absent").optional();
     s.boolean(&ErodingSurface::self_contact, "self_contact", "whether a part touches itself").by_default("true");
-    s.real(&ErodingSurface::penalty, "penalty", "-", positive, "factor f of the stiffness f K A^2 / V with which a depth is taken back")
+    s.real(&ErodingSurface::penalty, "penalty", "-", positive,
+           "factor f of the stiffness f K A^2 / V with which a depth is taken back")
         .by_default("0.4");
     s.real(&ErodingSurface::stability, "stability", "-", between(0.0, 1.0),
            "upper bound of the stiffness with which a depth is taken back, in units of effective mass over dt squared")
@@ -112,8 +113,8 @@ struct ErodingSurface final : Contact {
   /// The touch of a node with a surface. Where the surface is smooth, it is at the point where the node passes through
   /// the facet, or below which it is already at the start of the step, and along the normal without jumps: the closest
   /// point to the end of the way jumps from one facet to the next, and interfaces under pressure would buckle.
-  static ContactTouch smooth_touch(const ContactView& view, int node, int facet, const Touch& t, const FacetSlabs& slabs,
-                                   Near& near) {
+  static ContactTouch smooth_touch(const ContactView& view, int node, int facet, const Touch& t,
+                                   const FacetSlabs& slabs, Near& near) {
     ContactTouch touch;
     touch.node = node;
     touch.facet = facet;
@@ -138,8 +139,8 @@ struct ErodingSurface final : Contact {
     return touch;
   }
 
-  /// The normal without jumps at a point of a facet. Facets round its corner count within their reach of
-  /// the node, since others are listed or not by chance.
+  /// The normal without jumps at the point of a facet that is closest to where the node enters. Facets round its corner
+  /// count within their reach of the node, since others are listed or not by chance.
   static Vec3 normal_near(const ContactView& view, Vec3 s, int facet, const Touch& t, const FacetSlabs& slabs,
                           Near& near) {
     const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);

@@ -1,4 +1,5 @@
-// The surface that a slave itself belongs to, and the facets of other bodies that it cannot touch for that.
+// The surface that a slave itself belongs to, and the facets of other bodies that it cannot touch because they lie side
+// by side with that surface.
 #pragma once
 
 #include <kerf/contact.hpp>

@@ -21,10 +21,11 @@ struct NaturalPoint {
   int corner = 0;
 };
 
-/// The normal at a point of a facet, given all facets round the corner that is nearest to it. With the normals of single
-/// facets, bodies without strength would buckle, since a node on an edge would be pushed sideways by whichever facet it
-/// falls to. In the quarter round the corner the normal is bilinear between the mean normals of all facets round that
-/// corner, of the two facets along either edge, and of the facet itself. Facets that are folded against it do not count.
+/// The normal at a point of a facet, given all facets round the corner that is nearest to it. With the normals of
+/// single facets, bodies without strength would buckle, since a node on an edge would be pushed sideways by whichever
+/// facet it falls to. In the quarter round the corner the normal is bilinear between the mean normals of all facets
+/// round that corner, of the two facets along either edge, and of the facet itself. Facets that are folded against it
+/// do not count.
 inline Vec3 smooth_normal(const ContactView& view, const FacetSlabs& slabs, const std::vector<std::int32_t>& round,
                           std::int32_t facet, const NaturalPoint& p) {
   const std::int32_t* corner = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);

@@ -2,8 +2,8 @@
 #include "parallel/brute_contact.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <cmath>
+#include <functional>
 
 #include "dynamics/contact_impacts.hpp"
 #include "mesh/surface.hpp"
@@ -196,7 +196,8 @@ void BruteContact::predict(const std::map<std::int64_t, std::array<std::int64_t,
 }
 
 std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Quanta& quanta) const {
-  std::vector<std::int64_t> force(4 * node_id_.size(), 0), friction = force, shares(MassSplit::width * node_id_.size(), 0);
+  std::vector<std::int64_t> force(4 * node_id_.size(), 0), friction = force,
+                                                           shares(MassSplit::width * node_id_.size(), 0);
   ContactForces sink(force.data(), friction.data(), quanta.force);
   const ContactView seen = view();
   ContactTouches touches;
@@ -214,8 +215,7 @@ std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Q
   exchange.pushed = [&] {
     for (std::size_t i = 0; i < 4 * mass_.size(); ++i)
       if (i % 4 < 3 && mass_[i / 4] > 0.0)
-        velocity[i] =
-            velocity_[i] + static_cast<double>(force[i]) * (quanta.force.quantum * kick_dt_ / mass_[i / 4]);
+        velocity[i] = velocity_[i] + static_cast<double>(force[i]) * (quanta.force.quantum * kick_dt_ / mass_[i / 4]);
     return velocity.data();
   };
   impacts.add_to(sink, exchange);

@@ -1,5 +1,5 @@
 // Geometry that contact algorithms share: the corners of a facet, its area, thickness and normal; how fast a touch
-// closes.
+// moves and closes.
 #pragma once
 
 #include <cmath>
@@ -32,13 +32,27 @@ struct FacetGeometry {
   }
 };
 
+/// Velocity of the node, or of the point of the edge, relative to the point that it touches, given the velocities of
+/// the view's nodes, four numbers each [m/s].
+inline Vec3 relative_velocity(const ContactView& view, const ContactTouch& t, const double* velocity) {
+  const auto velocity_of = [velocity](std::int32_t node) {
+    const double* row = velocity + 4 * static_cast<std::int64_t>(node);
+    return Vec3{row[0], row[1], row[2]};
+  };
+  const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
+  Vec3 v = velocity_of(t.node);
+  if (t.second >= 0) v = v * (1.0 - t.second_weight) + velocity_of(t.second) * t.second_weight;
+  for (int k = 0; k < 4; ++k) v = v - velocity_of(n[k]) * t.weights[k];
+  return v;
+}
+/// The same with the predicted velocities.
+inline Vec3 relative_velocity(const ContactView& view, const ContactTouch& t) {
+  return relative_velocity(view, t, view.velocity);
+}
+
 /// Speed at which the node or the edge of a touch goes deeper [m/s].
 inline double closing_speed(const ContactView& view, const ContactTouch& t) {
-  const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
-  Vec3 v = view.v(t.node);
-  if (t.second >= 0) v = v * (1.0 - t.second_weight) + view.v(t.second) * t.second_weight;
-  for (int k = 0; k < 4; ++k) v = v - view.v(n[k]) * t.weights[k];
-  return -dot(v, t.direction);
+  return -dot(relative_velocity(view, t), t.direction);
 }
 
 }  // namespace kerf
