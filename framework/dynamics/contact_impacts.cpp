@@ -43,11 +43,12 @@ double effective_mass(const ContactView& view, const ContactTouch& t, const Mass
   return 1.0 / inverse;
 }
 
-/// Whether the facet carries the node in some rounds: not where boundary conditions hold any of them, nor edges.
+/// Whether the facet carries the node in some rounds: where the law says so, but not where boundary conditions hold any
+/// of them, nor edges.
 bool is_carried(const ContactView& view, const ContactTouch& t) {
   constexpr double all = 1.0 - 1e-9;  // of a mobility
   const std::int32_t* n = corners_of(view, t);
-  bool move = t.second < 0 && view.mobility(t.node, t.direction) > all;
+  bool move = t.carried && t.second < 0 && view.mobility(t.node, t.direction) > all;
   for (int k = 0; k < 4; ++k) move = move && view.mobility(n[k], t.direction) > all;
   return move;
 }
@@ -115,7 +116,8 @@ void add_shares(const ContactView& view, const ContactTouches& touches, const Ma
     for (int k = 0; k < 4; ++k) row(n[k])[0] += share_of_corner(share, t.weights[k]);
     if (!is_carried(view, t)) continue;
     row(t.node)[1] += 1;
-    for (int k = 0; k < 4; ++k) row(n[k])[1] += one_carried;
+      for (int k = 0; k < 4; ++k)
+      if (t.weights[k] > 0.0) row(n[k])[1] += one_carried;
   }
 }
 
@@ -136,15 +138,15 @@ Impacts::Impacts(const ContactView& view, const ContactTouches& touches, const C
 
 void Impacts::add_to(ContactForces& forces, ImpactExchange& exchange) {
   scale_ = forces.scale();
-  double first_excess = 0.0;  // of all ranks [m/s]
+  first_excess_ = 0.0;
   for (int round = 0; round < most_rounds; round += 3) {
     const double* velocity = exchange.velocities();
-    const double excess = load(velocity, forces);
-    if (round == 0 || round >= least_rounds) {
-      const double worst = exchange.greatest(excess);
-      if (round == 0) first_excess = worst;
-      if (!(worst > accuracy * first_excess)) break;
-    }
+    const double left = load(velocity, forces);
+    if (round == 0)
+      first_excess_ = exchange.greatest(left);
+    else if (round >= least_rounds && !(exchange.greatest(left) > accuracy))
+      break;
+    if (!(first_excess_ > 0.0)) break;
     exchange.add_up(loads_);
     carry(velocity, forces);
     for (int k = 0; k < 2; ++k) add_round(exchange.velocities(), forces);
@@ -162,7 +164,9 @@ double Impacts::load(const double* velocity, const ContactForces& forces) {
     const double mass = part_of_mass(t.node);
     i.excess = -dot(relative_velocity(view_, t, velocity), t.direction) - i.wanted;
     i.excess = mass > 0.0 ? max_of(i.excess, -i.push / mass) : 0.0;
-    greatest = max_of(greatest, i.excess);
+    if (!(first_excess_ > 0.0)) i.first_excess = max_of(i.excess, 0.0);
+    const double scale = max_of(i.first_excess, least_scale * first_excess_);
+    greatest = max_of(greatest, first_excess_ > 0.0 ? i.excess / scale : i.excess);
     if (!i.carried || i.excess == 0.0) continue;
     for (int k = 0; k < 4; ++k) {
       std::int64_t* row = &loads_[4 * static_cast<std::size_t>(corners_of(view_, t)[k])];
@@ -220,7 +224,10 @@ void Impacts::carry(const double* velocity, ContactForces& forces) {
 Vec3 Impacts::friction(const Impact& impact, const ContactTouch& touch, Vec3 sliding) const {
   const double speed = norm(sliding);
   Vec3 grip = impact.grip;
-  if (speed > 0.0) grip = grip - sliding * effective_mass(view_, touch, split_, sliding * (1.0 / speed));
+  if (speed > 0.0) {
+    const double mass = effective_mass(view_, touch, split_, sliding * (1.0 / speed));
+    if (moves(view_, touch, mass)) grip = grip - sliding * mass;
+  }
   const double most = response_.friction * impact.push, size = norm(grip);
   return size > most ? grip * (most / size) : grip;
 }

@@ -34,9 +34,10 @@ class ClosingPairs {
       const Lanes sight = FacetSlabs::sight * seen.deepest, height = seen.height;
       const Lanes way =
           min_of(first_depth * seen.deepest + max_of(height, Lanes{}), max_of(sight + height, 0.1 * seen.deepest));
-      // A pair that would not shorten the step needs no closest point.
+      // A pair that would not shorten the step needs no closest point. What is nearly equal is left to limit_step, whose
+      // minimum does not depend on the order of slaves.
       unsigned close = mask_of((closing * view_.dt > slow * seen.deepest) & (height >= -sight) &
-                               (way < touches.longest_step() * closing));
+                               (way * (1.0 - 1e-12) < touches.longest_step() * closing));
       close &= seen.within_reach(seen.least_square()) & in_use;
       for (; close != 0; close &= close - 1) {
         const int l = std::countr_zero(close);
@@ -69,13 +70,26 @@ class ClosingPairs {
   bool fast_;
 };
 
+/// Whether the mesh of slave i is finer than that of a facet, by the mean area of the facets round it; among nearly equal
+/// ones, the part with the lower number counts as finer. A free node has no mesh, and counts as finer.
+inline bool is_finer(const ContactView& view, int i, int facet) {
+  constexpr double nearly_equal = 1.3;  // ratio of areas
+  double area = 0.0;
+  for (const std::int32_t f : view.around_slave(i)) area += FacetGeometry(view, f).area;
+  const double other = FacetGeometry(view, facet).area * static_cast<double>(view.around_slave(i).size());
+  if (area * nearly_equal < other) return true;
+  if (area > other * nearly_equal) return false;
+  return view.around_slave(i).empty() || view.node_part[view.slave[i]] < view.facet_part[facet];
+}
+
 /// Adds a touch, with the stiffness f K A^2 / V of a penalty f. Where its node comes to lie deeper than is held, lets
 /// it go in place of that.
-inline void hold_or_let_go(const ContactView& view, const FacetSlabs& slabs, double penalty, ContactTouch touch,
+inline void hold_or_let_go(const ContactView& view, int i, const FacetSlabs& slabs, double penalty, ContactTouch touch,
                            ContactTouches& touches) {
   const FacetGeometry g(view, touch.facet);
   touch.stiffness = penalty * view.facet_bulk_modulus[touch.facet] * g.area / g.thickness;
   const double deepest = slabs.deepest(touch.facet);
+  touch.carried = is_finer(view, i, touch.facet);
   if (touch.depth <= deepest)
     touches.add(touch);
   else if (touch.depth - closing_speed(view, touch) * view.dt <= deepest)

@@ -72,7 +72,7 @@ struct ErodingSurface final : Contact {
     for (int i = 0; i < view.n_slaves; ++i) {
       pairs.limit_step(i, touches);
       each_touch(view, i, slabs, near, [&](int facet, const Touch& t) {
-        hold_or_let_go(view, slabs, penalty, smooth_touch(view, view.slave[i], facet, t, slabs, near), touches);
+        hold_or_let_go(view, i, slabs, penalty, smooth_touch(view, view.slave[i], facet, t, slabs, near), touches);
       });
     }
     if (edges) EdgeTouches(view, slabs, opposing).find(touches);

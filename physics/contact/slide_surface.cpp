@@ -158,7 +158,7 @@ struct SlideSurface final : Contact {
       pairs.limit_step(i, touches);
       const Held held = locate(view, i, slabs, room);
       if (held.facet >= 0 && held.gap < 0.0)
-        hold_or_let_go(view, slabs, penalty, touch_of(view, view.slave[i], slabs, room, held), touches);
+        hold_or_let_go(view, i, slabs, penalty, touch_of(view, view.slave[i], slabs, room, held), touches);
     }
   }
 

@@ -78,6 +78,7 @@ struct ContactTouch {
   Vec3 direction;  // unit vector out of the body
   double depth = 0.0;  // below the surface, along `direction` [m]
   double stiffness = 0.0;  // with which a depth that is there already is taken back [N/m]
+  bool carried = false;  // whether the facet may carry the node; it should, where the node's mesh is the finer one
   std::int32_t second = -1;  // the edge's other node, or -1 where a node touches
   double second_weight = 0.0;  // of the edge's other node at the touching point; `node` has the rest of 1
 };
