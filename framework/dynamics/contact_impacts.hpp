@@ -75,13 +75,13 @@ class ImpactExchange {
 ///
 /// Computed side by side, they leave some of the closing speed where touches share nodes, and further rounds take that
 /// away (projected Jacobi iteration). Where meshes differ that is slow, and what is left lets interfaces under pressure
-/// buckle. So there is another kind of round: where the node of a touch is lighter than the facet, the facet carries
+/// buckle. So there is another kind of round: where the mesh of a node is finer than a facet, the facet carries
 /// it. The corners get the mass and the momentum of all that they carry, in proportion to the weights, and then tell
 /// the nodes how fast to go (kinematic slide surfaces treat slaves like that: Hallquist, Goudreau & Benson, CMAME 51
 /// (1985) 107-137). For slaves on one surface this is nearly the solution, whatever the ratio of the meshes.
 class Impacts {
  public:
-// In a step, in threes: one round in which facets carry nodes, two side by side.
+  // In a step, in threes: one round in which facets carry nodes, two side by side.
   static constexpr int least_rounds = 12, most_rounds = 60;
   // Excess of the closing speed that may be left, over what a touch had at first, or over a tenth of what any had. With
   // five times as much, plates of lexan and steel with cells 1:2 across buckle at 6 km/s.

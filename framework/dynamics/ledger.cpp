@@ -105,10 +105,11 @@ double Ledger::reference(const Balance& b) const {
   return std::max({std::fabs(initial_energy), std::fabs(b.external), smallest_reference});
 }
 
-void Ledger::judge_contact(Balance& b) {
-  const double taken = b.contact - b.friction;
-  b.given_back = std::max(0.0, -taken);
-  b.error += std::copysign(b.given_back / reference(b), b.error);  // never against an error of the other kind
+void Ledger::judge(Balance& b) {
+  b.given_back = std::max(0.0, b.friction - b.contact);
+  b.hourglass_given_back = std::max(0.0, -b.hourglass);
+  const double given = b.given_back + b.hourglass_given_back;
+  b.error += std::copysign(given / reference(b), b.error);  // never against an error of the other kind
 }
 
 void LetGo::add(int part, std::int64_t mass_quanta, double depth, double time) {

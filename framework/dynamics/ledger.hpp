@@ -49,6 +49,7 @@ struct Balance {
          eroded = 0.0;  // [J]
   double friction = 0.0;  // the share of friction in contact [J]
   double given_back = 0.0;  // by contact, without friction, more than it has taken [J]
+  double hourglass_given_back = 0.0;  // by hourglass control, more than it has taken [J]
   Vec3 momentum, impulse, dropped_momentum;  // [kg m/s]
   double live_mass = 0.0, free_mass = 0.0, dropped_mass = 0.0;  // [kg]
   std::int64_t eroded_elements = 0;
@@ -74,8 +75,9 @@ class Ledger {
   std::int64_t momentum_quanta(double v) const;
   /// Completes a balance from the terms that are sums over elements and accounts. Collective.
   void close(const Model& model, Balance& balance) const;
-  /// Contact stores nothing: what it gives to the nodes beyond what it has taken counts as an error of the balance.
-  void judge_contact(Balance& balance);
+  /// Contact stores nothing, and hourglass control no more than it was given: what they give to the nodes beyond what
+  /// they have taken counts as an error of the balance.
+  void judge(Balance& balance);
 
  private:
   /// What errors are compared with: with neither energy nor work, the elastic energy of a strain of a thousandth [J].

@@ -343,7 +343,7 @@ bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) !=
 
 Balance Simulation::sample() {
   Balance b = integrator_.sample(model_, next_step(), load_, ledger_);
-  ledger_.judge_contact(b);
+  ledger_.judge(b);
   return b;
 }
 

@@ -151,8 +151,26 @@ std::string hourglass_warning(const Summary& s) {
   if (!(s.hourglass.share() > 0.1) || !(s.hourglass.energy > 0.01 * present)) return {};
   return fmt::format(
       "warning: hourglass control took {:.0f} % of all energy that was dissipated; expected less than 10 %: refine the "
-      "mesh, spread concentrated loads, or choose hourglass: stiffness or another hourglass_coefficient\n",
+      "mesh, spread concentrated loads, or choose another form of hourglass control or another "
+      "hourglass_coefficient\n",
       100.0 * s.hourglass.share());
+}
+
+/// A sentence for each law that has given more than a thousandth of what there was to the nodes; otherwise nothing.
+std::string gain_warnings(const Summary& s) {
+  const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
+  std::string text;
+  if (s.energy.contact_given_back > 1e-3 * present)
+    text += fmt::format(
+        "warning: contact has given {:.4g} J more to the nodes than it has taken, which is wrong by as much; try a smaller "
+        "time.safety_factor, damping: 1, or cells of like size where bodies meet\n",
+        s.energy.contact_given_back);
+  if (s.energy.hourglass_given_back > 1e-3 * present)
+    text += fmt::format(
+        "warning: hourglass control has given {:.4g} J more to the nodes than it has taken, which is wrong by as much; "
+        "choose hourglass: viscous for soft or badly deformed parts\n",
+        s.energy.hourglass_given_back);
+  return text;
 }
 
 std::string number_or_null(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
@@ -199,7 +217,8 @@ Summary Reporter::summarise(const std::string& exit) {
               b.eroded,
               b.error,
               b.friction,
-              b.given_back};
+              b.given_back,
+              b.hourglass_given_back};
   s.contact_let_go = {b.let_go.nodes,
                       static_cast<double>(b.let_go.mass) * simulation_.ledger().mass_quantum,
                       b.let_go.deepest,
@@ -306,7 +325,7 @@ std::string Reporter::table_of(const Summary& s) const {
   for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
   fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
   fmt::format_to(out, "  {:<16}{:>15.2f} %\n", "hourglass share", 100.0 * s.hourglass.share());
-  fmt::format_to(out, "{}", hourglass_warning(s));
+  fmt::format_to(out, "{}{}", hourglass_warning(s), gain_warnings(s));
   fmt::format_to(out, "\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
   for (const auto& [name, p] : s.parts)
     fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14}\n", name, p.elements, p.alive, p.mass,

@@ -29,7 +29,8 @@ Json json_of(const Summary::Energy& e) {
           {"eroded", e.eroded},
           {"balance_error", e.balance_error},
           {"friction", e.friction},
-          {"contact_given_back", e.contact_given_back}};
+          {"contact_given_back", e.contact_given_back},
+          {"hourglass_given_back", e.hourglass_given_back}};
 }
 
 Json json_of(const Summary::Hourglass& h) {

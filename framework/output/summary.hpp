@@ -20,6 +20,7 @@ struct Summary {
     double balance_error = 0.0;  // [-]
     double friction = 0.0;  // the share of friction in contact; the rest is lost in impacts
     double contact_given_back = 0.0;  // by contact, without friction, beyond all that it has taken
+    double hourglass_given_back = 0.0;  // by hourglass control, beyond all that it has taken
   };
   /// Nodes that contact has let go of: they came to lie too deep inside a body.
   struct ContactLetGo {
