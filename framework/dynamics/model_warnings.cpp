@@ -103,8 +103,8 @@ void warn_of_idle_parts(const Model& model, const Encounters& encounters, Lines&
     if (!s.rests() || s.is_held || s.is_loaded || encounters.may_be_touched(p)) continue;
     lines.push_back(warning(
         input_of(model, p).mesh->origin,
-        fmt::format("part {} is at rest, no boundary condition holds it, and nothing will strike it before the end "
-                    "of the run at {:.3g} s; give a part a velocity, check the contacts, or leave the part out",
+        fmt::format("part {} is at rest, no boundary condition holds it, and nothing that moves with the "
+                    "velocity of its part will strike it before the end of the run at {:.3g} s; give a part a velocity, check the contacts, or leave the part out",
                     input_of(model, p).name, model.input->time.end)));
   }
 }

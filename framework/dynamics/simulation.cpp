@@ -150,7 +150,16 @@ std::vector<std::string> Simulation::judge_end() {
   for (const Overlap& o : find_overlaps(model_)) {
     const int contact = cover.between(o.first, o.second);
     const double cells = o.volume / lesser_cell(o.first, o.second);
-    if (contact < 0 || !(cells > overlap_at_end)) continue;
+    if (!(cells > overlap_at_end)) continue;
+    if (contact < 0) {
+      const std::string pair = fmt::format("parts {} and {} overlap at the start", model_.parts[o.first].input->name,
+                                           model_.parts[o.second].input->name);
+      const auto says_so = [&pair](const std::string& line) { return line.find(pair) != std::string::npos; };
+      if (std::any_of(warnings_.begin(), warnings_.end(), says_so)) continue;
+      lines.push_back(fmt::format("{}: warning: {}, {:.3g} cells, and no contact definition covers both",
+                                  model_.parts[o.first].input->mesh->origin, o.sentence(model_, "at the end"), cells));
+      continue;
+    }
     lines.push_back(fmt::format(
         "{}: warning: {}, {:.3g} cells: contact did not keep them apart, do not trust the result; "
         "use cells of like size where bodies meet, or a smaller time.safety_factor",

@@ -16,7 +16,8 @@ CASES = {
                    ("{type: fixed, nodes: bottom}", "{type: fixed, nodes: bottom, components: [x]}")],
                   [("28:5", "part target has one layer of cells across its thickness of 0.0005 m")]),
     "idle part": ([("boundaries:\n  - {type: fixed, nodes: bottom}\n", ""), ("0 0 -200 m/s", "0 0 200 m/s")],
-                  [("28:5", "part target is at rest, no boundary condition holds it, and nothing will strike it")]),
+                  [("28:5", "part target is at rest, no boundary condition holds it, and nothing that moves with the "
+                            "velocity of its part will strike it")]),
     "coefficient": ([("origin: 1 1 2.1 mm, cells: [2, 2, 2]}",
                       "origin: 1 1 2.1 mm, cells: [2, 2, 2]}\n    element: {type: hex8, hourglass_coefficient: 0.005}")],
                     [("32:50", "`hourglass_coefficient` = 0.005 is not usual; expected from 0.01 to 0.1, or leave it")]),

@@ -209,3 +209,20 @@ def test_bodies_inside_each_other_at_the_end_are_warned_of(kerf):
     warnings = [w for w in run.summary["warnings"] if "contact did not keep them apart" in w]
     assert len(warnings) == 1 and "parts a and b overlap at the end" in warnings[0]
     assert warnings[0] in run.process.stderr
+
+
+def test_bodies_driven_into_each_other_without_a_contact_are_warned_of(kerf):
+    """Velocities of parts foretell no collision where a boundary condition drives a body."""
+    steel = {"density": 7800, "strength": {"type": "elastic", "shear_modulus": "80 GPa"},
+             "eos": {"type": "linear", "bulk_modulus": "160 GPa"}}
+    cube = {"type": "block", "size": "[4, 4, 4] mm", "cells": [2, 2, 2]}
+    run = kerf({
+        "title": "driven", "time": {"end": "20 us"}, "materials": {"steel": steel},
+        "parts": {"upper": {"material": "steel", "mesh": {**cube, "origin": "[0, 0, 0.1] mm"}},
+                  "lower": {"material": "steel", "mesh": {**cube, "origin": "[0, 0, -4] mm"}}},
+        "sets": {"top": {"parts": "upper", "face": "z_max"}},
+        "boundaries": [{"type": "prescribed_motion", "nodes": "top", "velocity": "0 0 -100 m/s"}],
+    })
+    warnings = [w for w in run.summary["warnings"] if "no contact definition covers both" in w]
+    assert len(warnings) == 1 and "parts upper and lower overlap at the end" in warnings[0]
+    assert warnings[0] in run.process.stderr
