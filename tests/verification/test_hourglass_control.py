@@ -197,7 +197,7 @@ def test_stiffness_control_does_not_stiffen_a_body_that_flows(kerf):
         radius, energy = mushroom(kerf, "stiffness", coefficient)
         print(coefficient, radius, energy)
         assert radius == pytest.approx(viscous, rel=0.02)
-        assert energy < 0.02
+        assert energy < 0.03  # what control has taken where cells flow is not given back
 
 
 def test_stiffness_control_bends_one_layer_of_cubes_with_the_right_stiffness(kerf):
@@ -254,19 +254,20 @@ def test_stiffness_control_bends_one_layer_of_cubes_with_the_right_stiffness(ker
     assert found == pytest.approx(frequency, rel=0.02)
 
 
-def test_control_that_gives_energy_is_an_error_of_the_balance(kerf):
-    """A cube of gelatine that strikes a wall at 200 m/s: control by stiffness feeds its flattened cells. It once went on
-    until it had given four times the initial energy, with a balance that showed a tenth of that."""
-    gelatine = {"density": 1000, "eos": {"type": "linear", "bulk_modulus": 2e9},
-                "strength": {"type": "elastic_plastic", "shear_modulus": 3e6, "yield_stress": 0.2e6, "hardening_modulus": 0}}
-    model = {"title": "gelatine on a wall", "time": {"end": 1e-4}, "materials": {"gelatine": gelatine},
-             "parts": {"cube": {"material": "gelatine", "velocity": [0, 0, -200],
-                                "mesh": {"type": "block", "size": [0.01] * 3, "origin": [0, 0, 1e-5], "cells": [10] * 3}}},
-             "boundaries": [FLOOR]}
-    run = kerf(model, completes=False)
+@pytest.mark.parametrize("material", ["gelatine", "lead"])
+def test_stiffness_control_gives_no_energy_to_flattened_cells(kerf, material):
+    """A cube that strikes a wall. Resistance that grew with the elastic stiffness and fell with the lesser one of cells
+    that flow gave back more than it had taken: five times the initial energy of gelatine at 200 m/s."""
+    shear, strength, bulk, density, speed = {
+        "gelatine": (3e6, 0.2e6, 2e9, 1000, 200), "lead": (5.6e9, 10e6, 45e9, 11340, 300)}[material]
+    law = {"density": density, "eos": {"type": "linear", "bulk_modulus": bulk},
+           "strength": {"type": "elastic_plastic", "shear_modulus": shear, "yield_stress": strength, "hardening_modulus": 0}}
+    run = kerf({"title": f"{material} on a wall", "time": {"end": 5e-5}, "materials": {material: law},
+                "parts": {"cube": {"material": material, "velocity": [0, 0, -speed],
+                                   "mesh": {"type": "block", "size": [0.01] * 3, "origin": [0, 0, 1e-5], "cells": [10] * 3}}},
+                "boundaries": [FLOOR]})
     energy = run.summary["energy"]
-    assert energy["hourglass_given_back"] == pytest.approx(-energy["hourglass"]) and energy["hourglass"] < 0.0
-    assert run.process.returncode == 3 and "the energy balance is off" in run.process.stderr
-    # Stopped at the first row beyond 5 %, before there is much of it.
-    assert energy["hourglass_given_back"] < 0.5 * energy["initial"]
-    assert "hourglass control has given" in run.process.stdout
+    taken = run.history["hourglass"]
+    assert taken.min() >= -1e-3 * energy["initial"]  # a step's work is known half a step late
+    assert energy["hourglass_given_back"] == 0.0
+    assert abs(energy["balance_error"]) < 5e-3  # half of a kick's work is booked half a step late, as in a bar on a wall

@@ -671,18 +671,19 @@ class Kernel {
 
   /// Stiffness control (Flanagan & Belytschko 1981, eqs. 63-67): resistance grows with k g dt and turns with the
   /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
-  /// highest frequency of the element. A fluid has no shape to hold: it gets the viscous form. Where a solid flows, k
-  /// grows as little as the deviator does. The shape vectors of the step's end see the rate in the directions of its
+  /// highest frequency of the element. A fluid has no shape to hold: it gets the viscous form. Where a solid flows, a
+  /// resistance grows as little as the deviator does. The shape vectors of the step's end see the rate in the directions of its
   /// start: they take the rotation for a part of the linear motion. So the rate turns together with the old resistance.
   [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
                                                   const Strain& step, const V (&shape)[3][4], const V (&rate)[3][4],
                                                   V alive, V (&resist)[3][4], Totals& totals) const {
     const auto dt = static_cast<Real>(w.dt);
     const auto solid = p.solid > Real(0.0);
-    V growth = (hourglass_coefficient_ / Real(24.0)) * p.elastic_share * p.wave * p.k.gradient_norm * p.per_volume * dt;
-    growth = solid ? growth : viscous_coefficient(p);
-    growth *= bounded_share(p, shape, Real(64.0) * dt * p.per_mass * growth,
-                            solid ? lanes(Real(most_effect_of_growth)) : lanes(Real(most_effect)));
+    V elastic = (hourglass_coefficient_ / Real(24.0)) * p.wave * p.k.gradient_norm * p.per_volume * dt;
+    elastic = solid ? elastic : viscous_coefficient(p);
+    elastic *= bounded_share(p, shape, Real(64.0) * dt * p.per_mass * elastic,
+                             solid ? lanes(Real(most_effect_of_growth)) : lanes(Real(most_effect)));
+    const V flowing = elastic * (solid ? p.elastic_share : lanes(Real(1.0)));
     V work{};
     V r[9];
     for (int i = 0; i < 9; ++i) r[i] = load_lanes(step.rotation[i] + lane);
@@ -690,6 +691,8 @@ class Kernel {
       V grown[3];
       for (int i = 0; i < 3; ++i) {
         const V old = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
+        // What falls does so with the full stiffness: it must not give back more than it has taken.
+        const V growth = old * rate[i][a] < Real(0.0) ? elastic : flowing;
         grown[i] = p.solid * old + growth * rate[i][a];
         work += (old + alive * grown[i]) * rate[i][a];
       }
