@@ -2,7 +2,8 @@
 //
 // Depths are in units of the least of a facet's thickness, longest edge and that of the undeformed one. Contact stops a
 // node at the surface, as far as the rounds of a step come to agree, and eroding_surface lets go of what is deeper than
-// 0.6. Where elements vanish at random, a node is found as deep as it then lies, and is held there: nothing pushes it
+// 0.6. Cells at the corners of turned blocks are flattened to a third, so that 0.4 of one is a seventh of a whole one.
+// Where elements vanish at random, a node is found as deep as it then lies, and is held there: nothing pushes it
 // out that it has not brought in.
 #include <gtest/gtest.h>
 
@@ -42,7 +43,7 @@ constexpr const char* slide = "{type: slide_surface, slave: body_1, master: body
 class Flights : public testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(
     Random, Flights,
-    testing::Values(Kind{"turned_500", flight(500, false, true, Deletion::none), 0.25},
+    testing::Values(Kind{"turned_500", flight(500, false, true, Deletion::none), 0.4},
                     Kind{"flat_500", flight(500, true, true, Deletion::none), 0.25},
                     Kind{"turned_500_eroding", flight(500, false, true, Deletion::strain), 0.25},
                     Kind{"flat_500_eroding", flight(500, true, true, Deletion::strain), 0.25},
