@@ -691,8 +691,10 @@ class Kernel {
       V grown[3];
       for (int i = 0; i < 3; ++i) {
         const V old = load_lanes(at(w.element_state, w.n_element_state, block, 1 + 3 * a + i, lane));
-        // What falls does so with the full stiffness: it must not give back more than it has taken.
-        const V growth = old * rate[i][a] < Real(0.0) ? elastic : flowing;
+        // What falls does so with the full stiffness, down to nothing: it must not give back more than it has taken.
+        const V full = abs_of(elastic * rate[i][a]), zero{};
+        const V falling = old * rate[i][a] < zero ? min_of(abs_of(old) / (full + tiny<Real>), lanes(Real(1.0))) : zero;
+        const V growth = flowing + (elastic - flowing) * falling;
         grown[i] = p.solid * old + growth * rate[i][a];
         work += (old + alive * grown[i]) * rate[i][a];
       }
