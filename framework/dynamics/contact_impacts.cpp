@@ -10,8 +10,6 @@ namespace kerf {
 
 namespace {
 
-constexpr std::int64_t one_carried = std::int64_t{1} << 32;  // touch in which a node carries, in its packed roles
-
 const std::int32_t* corners_of(const ContactView& view, const ContactTouch& t) {
   return view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
 }
@@ -83,7 +81,7 @@ void ContactForces::add_to(std::int64_t* sums, const ContactTouch& touch, const 
     for (int k = 0; k < 4; ++k) {
       const double share = force[d] * touch.weights[k] * scale_.per_quantum;
       if (!(std::fabs(share) < ForceScale::limit)) {
-        overflow_node_ = touch.node;
+        note_overflow(touch.node);
         return;
       }
       const auto quanta = static_cast<std::int64_t>(std::llrint(share));
@@ -100,9 +98,8 @@ void ContactForces::add_to(std::int64_t* sums, const ContactTouch& touch, const 
 }
 
 double MassSplit::roles(int node) const {
-  const std::int64_t packed = rows[width * static_cast<std::int64_t>(node) + 1];
-  const std::int64_t n = packed % one_carried + (packed >= one_carried ? 1 : 0);
-  return static_cast<double>(n > 1 ? n : 1);
+  const std::int64_t* row = rows + width * static_cast<std::int64_t>(node);
+  return static_cast<double>(std::max(row[1] + (row[2] > 0 ? 1 : 0), std::int64_t{1}));
 }
 
 void add_shares(const ContactView& view, const ContactTouches& touches, const MassSplit& split) {
@@ -116,8 +113,8 @@ void add_shares(const ContactView& view, const ContactTouches& touches, const Ma
     for (int k = 0; k < 4; ++k) row(n[k])[0] += share_of_corner(share, t.weights[k]);
     if (!is_carried(view, t)) continue;
     row(t.node)[1] += 1;
-      for (int k = 0; k < 4; ++k)
-      if (t.weights[k] > 0.0) row(n[k])[1] += one_carried;
+    for (int k = 0; k < 4; ++k)
+      if (t.weights[k] > 0.0) row(n[k])[2] += 1;
   }
 }
 
@@ -155,7 +152,7 @@ void Impacts::add_to(ContactForces& forces, ImpactExchange& exchange) {
 
 /// Sums up what the corners of facets are to carry: of every touch that closes faster than it should, or has a push
 /// that may be taken back, the mass and the momentum of the excess. Returns the greatest excess of any touch [m/s].
-double Impacts::load(const double* velocity, const ContactForces& forces) {
+double Impacts::load(const double* velocity, ContactForces& forces) {
   loads_.assign(4 * static_cast<std::size_t>(view_.n_nodes), 0);
   const double per_impulse = forces.scale().per_quantum / view_.kick_dt;
   double greatest = 0.0;
@@ -171,7 +168,10 @@ double Impacts::load(const double* velocity, const ContactForces& forces) {
     for (int k = 0; k < 4; ++k) {
       std::int64_t* row = &loads_[4 * static_cast<std::size_t>(corners_of(view_, t)[k])];
       const Vec3 momentum = t.direction * (-i.excess * mass * t.weights[k] * per_impulse);
-      if (!(norm(momentum) < ForceScale::limit)) continue;  // the force will be too large as well, and be told of
+      if (!(norm(momentum) < ForceScale::limit)) {
+        forces.note_overflow(t.node);
+        continue;
+      }
       for (int d = 0; d < 3; ++d) row[d] += std::llrint(momentum[d]);
       row[3] += std::llrint(mass * t.weights[k] / split_.quantum);
     }

@@ -33,6 +33,7 @@ class ContactForces {
   }
   /// Local number of a node with a force that is not finite or too large, or -1.
   int overflow_node() const { return overflow_node_; }
+  void note_overflow(int node) { overflow_node_ = node; }
   const ForceScale& scale() const { return scale_; }
 
  private:
@@ -45,9 +46,10 @@ class ContactForces {
 
 /// How the masses of nodes are split between touches, in whole numbers: sums that do not depend on any order.
 struct MassSplit {
-  static constexpr int width = 2;  // of a row
-  std::int64_t* rows;  // per node of the view: shares of all touches [mass quanta]; touches in which it is carried,
-                       // plus 2^32 times the touches in which it carries
+  static constexpr int width = 3;  // of a row
+  // Per node of the view: shares of all touches [mass quanta], touches in which it is carried, touches in which it
+  // carries.
+  std::int64_t* rows;
   double quantum;  // [kg]
 
   double shares(int node) const { return static_cast<double>(rows[width * static_cast<std::int64_t>(node)]); }
@@ -105,7 +107,7 @@ class Impacts {
     Vec3 grip = {};  // of friction, so far [N s]
   };
   Vec3 friction(const Impact& impact, const ContactTouch& touch, Vec3 sliding) const;
-  double load(const double* velocity, const ContactForces& forces);
+  double load(const double* velocity, ContactForces& forces);
   Vec3 carried_along(int corner) const;
   void carry(const double* velocity, ContactForces& forces);
   double share_of_carrying(const ContactTouch& touch) const;

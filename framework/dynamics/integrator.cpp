@@ -37,11 +37,11 @@ void advance_nodes(NodeStore& nodes, double quantum, double kick_dt, double dt, 
   for (int i = n; i < n + NodeStore::n_dummies; ++i) f[i] = QuadInt{};
 }
 
-Vec3 kicked(const NodeStore& nodes, int i, double quantum, double kick_dt) {
-  const double a = nodes.inverse_mass[i] * (quantum * kick_dt);
-  Vec3 v = nodes.v(i);
-  for (int d = 0; d < 3; ++d) v[d] += static_cast<double>(nodes.force[4 * i + d]) * a;
-  return v;
+/// The velocity of a node after a kick, without boundary conditions [m/s]; `factor` leads from force quanta times the
+/// inverse mass to velocity.
+Quad kicked(const NodeStore& nodes, int i, double factor) {
+  return row_of(nodes.velocity.data(), i) +
+         __builtin_convertvector(row_of(nodes.force.data(), i), Quad) * (nodes.inverse_mass[i] * factor);
 }
 
 /// Work that contact takes from the nodes: minus force times mean velocity.
@@ -90,13 +90,6 @@ Prediction::Prediction(const Integrator& integrator, const Model& model, const S
       factor_(model.quanta.force.quantum * next.kick_dt()),
       planes_(Integrator::regions(model, next)) {}
 
-/// The velocity without boundary conditions.
-Quad Prediction::kicked(int i) const {
-  const NodeStore& nodes = model_.nodes;
-  return row_of(nodes.velocity.data(), i) +
-         __builtin_convertvector(row_of(nodes.force.data(), i), Quad) * (nodes.inverse_mass[i] * factor_);
-}
-
 /// Whether no condition is asked about a flight: most nodes are far from the regions of all that are not always asked.
 bool Prediction::is_free(int i, const Quad& v) const {
   if (integrator_.always_.empty()) return true;
@@ -109,14 +102,14 @@ bool Prediction::is_free(int i, const Quad& v) const {
 }
 
 Quad Prediction::velocity(int i) const {
-  const Quad v = kicked(i);
+  const Quad v = kicked(model_.nodes, i, factor_);
   if (is_free(i, v)) return v;
   return quad_of(integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i),
                                        vector_of(v)));
 }
 
 Prediction::Flight Prediction::flight(int i) const {
-  Flight f{.velocity = kicked(i), .position = {}};
+  Flight f{.velocity = kicked(model_.nodes, i, factor_), .position = {}};
   if (!is_free(i, f.velocity)) {
     const Vec3 v = vector_of(f.velocity);
     const Vec3 constrained =
@@ -234,13 +227,13 @@ void Integrator::advance_guarded(Model& model, const Step& step, const std::vect
 
 void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoad& load, Ledger& ledger) {
   NodeStore& nodes = model.nodes;
-  const double quantum = model.quanta.force.quantum;
+  const double quantum = model.quanta.force.quantum, factor = quantum * step.kick_dt();
   // What must be known of the time before the kick: constrained velocities are found while positions still stand
   // at the start of the step.
   saved_.clear();
   const std::vector<HalfSpace> planes = regions(model, step);
   for (const Constrained& c : constrained_) {
-    const Vec3 before = nodes.v(c.node), free_flight = kicked(nodes, c.node, quantum, step.kick_dt());
+    const Vec3 before = nodes.v(c.node), free_flight = vector_of(kicked(nodes, c.node, factor));
     const Vec3 v = constrain(model, c.node, c.always, step, planes, before, free_flight);
     const Vec3 x = nodes.x(c.node);
     saved_.insert(saved_.end(), {v.x, v.y, v.z, x.x, x.y, x.z});
@@ -272,7 +265,7 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
 
 Balance Integrator::sample(const Model& model, const Step& next, const ContactLoad& load, const Ledger& ledger) const {
   const NodeStore& nodes = model.nodes;
-  const double quantum = model.quanta.force.quantum, kick = next.kick_dt();
+  const double factor = model.quanta.force.quantum * next.kick_dt();
   // The share of the coming kick that lies before the present time. Kinetic energy and work grow by its power at the
   // velocity before it: what the rest of the kick will do (a wall that is hit, a motion that stops) stays out.
   const double share = next.last_dt / (next.last_dt + next.dt);
@@ -285,11 +278,11 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
     for (int d = 0; d < 3; ++d) momentum[d][i] = mass * v[d];
   };
   for (std::size_t i = 0; i < n; ++i)
-    enter(i, nodes.v(static_cast<int>(i)), kicked(nodes, static_cast<int>(i), quantum, kick));
+    enter(i, nodes.v(static_cast<int>(i)), vector_of(kicked(nodes, static_cast<int>(i), factor)));
   std::int64_t external = 0, contact = 0, friction = 0;
   const std::vector<HalfSpace> planes = regions(model, next);
   const auto apply = [&](int i, std::uint64_t always) {
-    const Vec3 before = nodes.v(i), free_flight = kicked(nodes, i, quantum, kick);
+    const Vec3 before = nodes.v(i), free_flight = vector_of(kicked(nodes, i, factor));
     const Vec3 v = constrain(model, i, always, next, planes, before, free_flight);
     enter(static_cast<std::size_t>(i), before, v);
     if (nodes.owned[i]) external += ledger.energy_quanta(model, nodes.mass[i] * dot(v - free_flight, before));
@@ -301,8 +294,8 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
     at += listed ? 1 : 0;
   }
   for (std::size_t k = 0; k < load.nodes.size(); ++k) {
-    contact += contact_work(model, ledger, &load.force[4 * k], kick, nodes.v(load.nodes[k]));
-    friction += contact_work(model, ledger, &load.friction[4 * k], kick, nodes.v(load.nodes[k]));
+    contact += contact_work(model, ledger, &load.force[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
+    friction += contact_work(model, ledger, &load.friction[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
   }
   std::int64_t sums[6] = {
       ledger.accounts.external, ledger.accounts.contact, ledger.accounts.friction, external, contact, friction};

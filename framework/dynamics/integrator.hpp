@@ -44,7 +44,6 @@ class Prediction {
 
  private:
   Quad from(int node) const { return row_of(model_.nodes.position.data(), node); }
-  Quad kicked(int node) const;
   bool is_free(int node, const Quad& velocity) const;
   unsigned held_axes(int node, Vec3 kicked, Vec3 constrained) const;
 

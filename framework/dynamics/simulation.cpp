@@ -116,7 +116,7 @@ void Simulation::refuse_bad_start(const ContactCover& cover) {
   for (const Overlap& o : find_overlaps(model_)) {
     const int contact = cover.between(o.first, o.second);
     if (contact < 0) {
-      ++n_overlaps_;
+      overlaps_.emplace_back(o.first, o.second);
       warnings_.push_back(fmt::format(
           "{}: warning: {}, and no contact keeps them apart; move the parts apart, or join them in one mesh",
           model_.parts[static_cast<std::size_t>(o.second)].input->mesh->origin, o.sentence(model_)));
@@ -152,10 +152,7 @@ std::vector<std::string> Simulation::judge_end() {
     const double cells = o.volume / lesser_cell(o.first, o.second);
     if (!(cells > overlap_at_end)) continue;
     if (contact < 0) {
-      const std::string pair = fmt::format("parts {} and {} overlap at the start", model_.parts[o.first].input->name,
-                                           model_.parts[o.second].input->name);
-      const auto says_so = [&pair](const std::string& line) { return line.find(pair) != std::string::npos; };
-      if (std::any_of(warnings_.begin(), warnings_.end(), says_so)) continue;
+      if (std::find(overlaps_.begin(), overlaps_.end(), std::pair(o.first, o.second)) != overlaps_.end()) continue;
       lines.push_back(fmt::format("{}: warning: {}, {:.3g} cells, and no contact definition covers both",
                                   model_.parts[o.first].input->mesh->origin, o.sentence(model_, "at the end"), cells));
       continue;

@@ -81,7 +81,7 @@ class Simulation {
   /// join the others. Collective.
   std::vector<std::string> judge_end();
   /// Pairs of parts that overlap at the start without a contact between them.
-  int n_overlaps() const { return n_overlaps_; }
+  std::size_t n_overlaps() const { return overlaps_.size(); }
 
   // For restart
   struct Progress {
@@ -133,7 +133,7 @@ class Simulation {
   double first_stable_ = 0.0;
   StepLimit last_limit_ = StepLimit::stable;  // of the last step
   std::int64_t last_id_ = -1;  // the element that the last step was stable for, -1 for contact
-  int n_overlaps_ = 0;
+  std::vector<std::pair<int, int>> overlaps_;  // of parts, at the start, without a contact between them
   double resumed_contact_step_ = 0.0;  // what contact allowed when the restart was written [s]; 0 if not resumed
   bool signalled_ = false;
 };

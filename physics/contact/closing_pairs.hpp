@@ -70,30 +70,33 @@ class ClosingPairs {
   bool fast_;
 };
 
-/// Whether the mesh of slave i is finer than that of a facet, by the mean area of the facets round it; among nearly equal
-/// ones, the part with the lower number counts as finer. A free node has no mesh, and counts as finer.
-inline bool is_finer(const ContactView& view, int i, int facet) {
+/// Whether the mesh of slave i is finer than that of a facet of the given area, by the mean area of the facets round it;
+/// among nearly equal ones, the part with the lower number counts as finer. A free node has no mesh, and counts as finer.
+inline bool is_finer(const ContactView& view, int i, int facet, double facet_area) {
   constexpr double nearly_equal = 1.3;  // ratio of areas
   double area = 0.0;
   for (const std::int32_t f : view.around_slave(i)) area += FacetGeometry(view, f).area;
-  const double other = FacetGeometry(view, facet).area * static_cast<double>(view.around_slave(i).size());
+  const double other = facet_area * static_cast<double>(view.around_slave(i).size());
   if (area * nearly_equal < other) return true;
   if (area > other * nearly_equal) return false;
   return view.around_slave(i).empty() || view.node_part[view.slave[i]] < view.facet_part[facet];
 }
 
-/// Adds a touch, with the stiffness f K A^2 / V of a penalty f. Where its node comes to lie deeper than is held, lets
-/// it go in place of that.
-inline void hold_or_let_go(const ContactView& view, int i, const FacetSlabs& slabs, double penalty, ContactTouch touch,
-                           ContactTouches& touches) {
-  const FacetGeometry g(view, touch.facet);
-  touch.stiffness = penalty * view.facet_bulk_modulus[touch.facet] * g.area / g.thickness;
-  const double deepest = slabs.deepest(touch.facet);
-  touch.carried = is_finer(view, i, touch.facet);
+/// Adds a touch. Where what touches comes to lie deeper than is held, lets it go in place of that.
+inline void add_or_let_go(const ContactView& view, const ContactTouch& touch, double deepest, ContactTouches& touches) {
   if (touch.depth <= deepest)
     touches.add(touch);
   else if (touch.depth - closing_speed(view, touch) * view.dt <= deepest)
     touches.let_go(touch.node, touch.depth);
+}
+
+/// The same of a slave, with the stiffness f K A^2 / V of a penalty f.
+inline void hold_or_let_go(const ContactView& view, int i, const FacetSlabs& slabs, double penalty, ContactTouch touch,
+                           ContactTouches& touches) {
+  const FacetGeometry g(view, touch.facet);
+  touch.stiffness = penalty * view.facet_bulk_modulus[touch.facet] * g.area / g.thickness;
+  touch.carried = is_finer(view, i, touch.facet, g.area);
+  add_or_let_go(view, touch, slabs.deepest(touch.facet), touches);
 }
 
 }  // namespace kerf::surfaces

@@ -15,6 +15,7 @@
 
 #include <kerf/contact_geometry.hpp>
 
+#include "closing_pairs.hpp"
 #include "facet_slabs.hpp"
 
 namespace kerf::surfaces {
@@ -289,11 +290,7 @@ class EdgeTouches {
     // No depth is taken back. Whether a pair crosses depends on the shape of two wedges, which may come and go: what is
     // pushed out of a depth that was gained meanwhile would get energy that contact has never taken.
     t.stiffness = 0.0;
-    const double deepest = min_of(own.deepest, other.deepest);
-    if (t.depth <= deepest)
-      touches.add(t);
-    else if (t.depth - closing_speed(view_, t) * view_.dt <= deepest)
-      touches.let_go(t.node, t.depth);
+    add_or_let_go(view_, t, min_of(own.deepest, other.deepest), touches);
   }
 
   const ContactView& view_;

@@ -121,22 +121,18 @@ struct ErodingSurface final : Contact {
     for (int k = 0; k < 4; ++k) touch.weights[k] = t.weights[k];
     touch.direction = t.direction;
     touch.depth = t.distance;
-    const Vec3 s = view.x(node), v = relative_velocity(view, touch);
-    const double closing = -dot(v, touch.direction);
     Touch entry = t;
-    if (closing > 0.0)
-      entry = touch_facet(Triangles(view, facet), slabs.size(facet), s - v * min_of(touch.depth / closing, view.dt));
-    const Vec3 smooth = normal_near(view, s, facet, entry, slabs, near);
-    if (dot(smooth, t.direction) < straight_enough) return touch;  // at an edge of the body
-    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
-    Vec3 below = s * -1.0;
-    for (int k = 0; k < 4; ++k) below = below + view.x(n[k]) * entry.weights[k];
-    const double depth = dot(below, smooth);
+    if (closing_speed(view, touch) > 0.0)
+      entry = touch_facet(Triangles(view, facet), slabs.size(facet), point_of_entry(view, touch));
+    ContactTouch smooth = touch;
+    for (int k = 0; k < 4; ++k) smooth.weights[k] = entry.weights[k];
+    smooth.direction = normal_near(view, view.x(node), facet, entry, slabs, near);
+    const double along = dot(smooth.direction, t.direction);
+    if (along < straight_enough) return touch;  // at an edge of the body
+    const double depth = depth_of(view, smooth);
     if (!(depth > 0.0)) return touch;  // it slides past the facet
-    for (int k = 0; k < 4; ++k) touch.weights[k] = entry.weights[k];
-    touch.direction = smooth;
-    touch.depth = max_of(depth, t.distance * dot(smooth, t.direction));
-    return touch;
+    smooth.depth = max_of(depth, t.distance * along);
+    return smooth;
   }
 
   /// The normal without jumps at the point of a facet that is closest to where the node enters. Facets round its corner
@@ -150,8 +146,7 @@ struct ErodingSurface final : Contact {
     near.round.clear();
     const std::int32_t corner = n[p.corner];
     for (const auto& [f, least_square] : near.facets) {
-      const std::int32_t* m = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
-      if (m[0] != corner && m[1] != corner && m[2] != corner && m[3] != corner) continue;
+      if (!has_corner(view, f, corner)) continue;
       if (f == facet || touch_facet(Triangles(view, f), slabs.size(f), s).distance <= slabs.reach(f))
         near.round.push_back(f);
     }

@@ -197,20 +197,15 @@ struct SlideSurface final : Contact {
   ContactTouch touch_of(const ContactView& view, int node, const FacetSlabs& slabs, Room& room,
                         const Held& end) const {
     ContactTouch touch = end.touch(node);
-    const Vec3 s = view.x(node), v = relative_velocity(view, touch);
-    const double closing = -dot(v, touch.direction);
-    if (!(closing > 0.0)) return touch;
-    const Vec3 entry = s - v * min_of(touch.depth / closing, view.dt);
+    if (!(closing_speed(view, touch) > 0.0)) return touch;
+    const Vec3 entry = point_of_entry(view, touch);
     // What slides past an edge has not come through the side of the body.
     std::erase_if(room.round, [&](std::int32_t f) { return is_folded(slabs, f, end.facet); });
     Held held = best_of(view, room.round, entry, slabs);
     if (held.facet < 0) return touch;
     held.normal = normal_at(view, slabs, room, held);
     touch = held.touch(node);
-    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(touch.facet);
-    Vec3 below = s * -1.0;
-    for (int k = 0; k < 4; ++k) below = below + view.x(n[k]) * touch.weights[k];
-    touch.depth = dot(below, touch.direction);
+    touch.depth = depth_of(view, touch);
     return touch;
   }
 

@@ -1,7 +1,7 @@
-// The normal of a surface without jumps from one facet to the next.
+// Touches without jumps from one facet to the next: where a node enters a surface, and the normal there.
 #pragma once
 
-#include <kerf/contact.hpp>
+#include <kerf/contact_geometry.hpp>
 
 #include <cstdint>
 #include <vector>
@@ -13,6 +13,27 @@ namespace kerf::surfaces {
 /// Whether an edge between two facets is one of the body, and not just one of the mesh.
 inline bool is_folded(const FacetSlabs& slabs, std::int32_t a, std::int32_t b) {
   return dot(slabs.normal(a), slabs.normal(b)) < 0.7;
+}
+
+inline bool has_corner(const ContactView& view, std::int32_t facet, std::int32_t node) {
+  const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
+  return n[0] == node || n[1] == node || n[2] == node || n[3] == node;
+}
+
+/// Where the node of a touch passes through the surface, or where it starts if it is below already; where it ends if it
+/// does not close [m].
+inline Vec3 point_of_entry(const ContactView& view, const ContactTouch& t) {
+  const Vec3 s = view.x(t.node), v = relative_velocity(view, t);
+  const double closing = -dot(v, t.direction);
+  return closing > 0.0 ? s - v * min_of(t.depth / closing, view.dt) : s;
+}
+
+/// How far the node of a touch is below the point with the touch's weights, along its direction [m].
+inline double depth_of(const ContactView& view, const ContactTouch& t) {
+  const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
+  Vec3 below = view.x(t.node) * -1.0;
+  for (int k = 0; k < 4; ++k) below = below + view.x(n[k]) * t.weights[k];
+  return dot(below, t.direction);
 }
 
 /// A point of a facet in natural coordinates, and the corner in whose quarter it lies.
@@ -31,10 +52,6 @@ inline Vec3 smooth_normal(const ContactView& view, const FacetSlabs& slabs, cons
   const std::int32_t* corner = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
   const bool is_right = p.corner == 1 || p.corner == 2, is_upper = p.corner >= 2;
   const int beside_xi = is_upper ? 5 - p.corner : 1 - p.corner, beside_eta = 3 - p.corner;
-  const auto has = [&](std::int32_t f, std::int32_t node) {
-    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(f);
-    return n[0] == node || n[1] == node || n[2] == node || n[3] == node;
-  };
   const Vec3 own = slabs.normal(facet);
   Vec3 at_corner, across_xi = own, across_eta = own;
   for (const std::int32_t f : round) {
@@ -42,8 +59,8 @@ inline Vec3 smooth_normal(const ContactView& view, const FacetSlabs& slabs, cons
     if (is_folded(slabs, f, facet)) continue;
     at_corner = at_corner + normal;
     if (f == facet) continue;
-    if (has(f, corner[beside_xi])) across_xi = own + normal;
-    if (has(f, corner[beside_eta])) across_eta = own + normal;
+    if (has_corner(view, f, corner[beside_xi])) across_xi = own + normal;
+    if (has_corner(view, f, corner[beside_eta])) across_eta = own + normal;
   }
   const auto unit = [](Vec3 v) { return v * (1.0 / norm(v)); };
   const double u = clamp_to(is_right ? 1.0 - p.xi : 1.0 + p.xi, 0.0, 1.0);

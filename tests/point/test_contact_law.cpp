@@ -18,6 +18,32 @@ namespace {
 using namespace kerf;
 using kerf::test::make_law;
 
+/// The view of a scene with rows of its own for nodes, facets and slaves; `facets` lists candidates and surroundings.
+template <class Scene>
+ContactView view_of(const Scene& scene) {
+  ContactView view;
+  view.dt = view.kick_dt = 1e-3;
+  view.n_nodes = static_cast<int>(scene.node_id.size());
+  view.node_id = scene.node_id.data();
+  view.position = scene.position.data();
+  view.velocity = scene.velocity.data();
+  view.mass = scene.mass.data();
+  view.node_part = scene.node_part.data();
+  view.n_facets = static_cast<int>(scene.facet_id.size());
+  view.facet_id = scene.facet_id.data();
+  view.facet_nodes = scene.facet_nodes.data();
+  view.facet_part = scene.facet_part.data();
+  view.facet_bulk_modulus = scene.bulk_modulus.data();
+  view.facet_volume = scene.volume.data();
+  view.facet_edge = scene.edge.data();
+  view.n_slaves = static_cast<int>(scene.slave.size());
+  view.slave = scene.slave.data();
+  view.candidate_rows = scene.candidates.data();
+  view.around_rows = scene.around.data();
+  view.candidate = view.around = scene.facets.data();
+  return view;
+}
+
 /// A roof of two unit facets along y, and one free node of another part. Its ridge is at a place that costs round-off.
 struct Roof {
   static constexpr Vec3 ridge = {0.37, 0.0, 0.73};
@@ -33,9 +59,8 @@ struct Roof {
   std::array<std::int32_t, 2> facet_part = {0, 0};
   std::array<double, 2> bulk_modulus = {1e3, 1e3}, volume = {1, 1}, edge = {1, 1};
   std::array<std::int32_t, 1> slave = {6};
-  ContactRow candidates{0, 2}, around;
-  std::array<std::int32_t, 2> candidate = {0, 1};
-  std::array<std::int64_t, 28> force = {};
+  std::array<ContactRow, 1> candidates = {{{0, 2}}}, around = {};
+  std::array<std::int32_t, 2> facets = {0, 1};
 
   Roof() {
     for (int n = 0; n < 7; ++n)
@@ -46,28 +71,8 @@ struct Roof {
   std::optional<ContactTouch> touch_at(const Contact& law, Vec3 s, double speed = 1.0) {
     for (int d = 0; d < 3; ++d) position[24 + d] = ridge[d] + s[d];
     velocity[26] = -speed;
-    ContactView view;
-    view.dt = view.kick_dt = 1e-3;
-    view.n_nodes = 7;
-    view.node_id = node_id.data();
-    view.position = position.data();
-    view.velocity = velocity.data();
-    view.mass = mass.data();
-    view.node_part = node_part.data();
-    view.n_facets = 2;
-    view.facet_id = facet_id.data();
-    view.facet_nodes = facet_nodes.data();
-    view.facet_part = facet_part.data();
-    view.facet_bulk_modulus = bulk_modulus.data();
-    view.facet_volume = volume.data();
-    view.facet_edge = edge.data();
-    view.n_slaves = 1;
-    view.slave = slave.data();
-    view.candidate_rows = &candidates;
-    view.around_rows = &around;
-    view.candidate = view.around = candidate.data();
     ContactTouches touches;
-    law.find_touches(view, touches);
+    law.find_touches(view_of(*this), touches);
     longest_step = touches.longest_step();
     n_let_go = touches.all_let_go().size();
     if (touches.touches().empty()) return std::nullopt;
@@ -120,6 +125,10 @@ struct CrossedRoofs {
   std::vector<std::int32_t> slave = {2, 3, 8, 9};
   std::array<double, 4> volume = {4, 4, 4, 4}, edge = {2, 2, 2, 2};
   double down = -1.0;  // velocity of the upper roof
+  alignas(32) std::array<double, 48> position = {}, velocity = {};
+  std::vector<double> mass = std::vector<double>(12, 1.0), bulk_modulus = std::vector<double>(4, 1e3);
+  std::vector<ContactRow> candidates, around;  // per slave
+  std::array<std::int32_t, 4> facets = {0, 1, 2, 3};
 
   /// `drop`: how far the eaves are from the ridge, along z; `angle` between the ridges.
   explicit CrossedRoofs(double drop = 1.0, double angle = 0.5 * 3.14159265358979) {
@@ -134,41 +143,18 @@ struct CrossedRoofs {
   }
 
   ContactTouches touches(const Contact& law) const {
-    alignas(32) std::array<double, 48> position = {}, velocity = {};
+    CrossedRoofs scene = *this;
     for (std::size_t n = 0; n < 12; ++n) {
-      for (int d = 0; d < 3; ++d) position[4 * n + static_cast<std::size_t>(d)] = x[n][d];
-      velocity[4 * n + 2] = n < 6 ? 0.0 : down;
+      for (int d = 0; d < 3; ++d) scene.position[4 * n + static_cast<std::size_t>(d)] = x[n][d];
+      scene.velocity[4 * n + 2] = n < 6 ? 0.0 : down;
     }
-    const std::vector<double> mass(12, 1.0), bulk_modulus(4, 1e3);
     // Each ridge is held by the facets of its own roof, and may touch those of the other.
-    const std::vector<std::int32_t> facets = {0, 1, 2, 3};
-    std::vector<ContactRow> candidates, around;
     for (const std::int32_t s : slave) {
-      around.push_back(s < 6 ? ContactRow{0, 2} : ContactRow{2, 4});
-      candidates.push_back(s < 6 ? ContactRow{2, 4} : ContactRow{0, 2});
+      scene.around.push_back(s < 6 ? ContactRow{0, 2} : ContactRow{2, 4});
+      scene.candidates.push_back(s < 6 ? ContactRow{2, 4} : ContactRow{0, 2});
     }
-    ContactView view;
-    view.dt = view.kick_dt = 1e-3;
-    view.n_nodes = 12;
-    view.node_id = node_id.data();
-    view.position = position.data();
-    view.velocity = velocity.data();
-    view.mass = mass.data();
-    view.node_part = node_part.data();
-    view.n_facets = 4;
-    view.facet_id = facet_id.data();
-    view.facet_nodes = facet_nodes.data();
-    view.facet_part = facet_part.data();
-    view.facet_bulk_modulus = bulk_modulus.data();
-    view.facet_volume = volume.data();
-    view.facet_edge = edge.data();
-    view.n_slaves = static_cast<int>(slave.size());
-    view.slave = slave.data();
-    view.candidate_rows = candidates.data();
-    view.around_rows = around.data();
-    view.candidate = view.around = facets.data();
     ContactTouches found;
-    law.find_touches(view, found);
+    law.find_touches(view_of(scene), found);
     return found;
   }
 };
@@ -278,7 +264,7 @@ TEST(ErodingSurface, DoesNotCareForFacetsBeyondTheirReach) {
   roof.edge = {4, 1};
   const Vec3 node{0.8, 0.0, -0.3};
   const auto with_both = roof.touch_at(*law, node);
-  roof.candidates.end = 1;  // of two candidates
+  roof.candidates[0].end = 1;  // of two candidates
   const auto with_one = roof.touch_at(*law, node);
   ASSERT_TRUE(with_both && with_one);
   for (int d = 0; d < 3; ++d) EXPECT_EQ(with_both->direction[d], with_one->direction[d]);
@@ -299,7 +285,7 @@ INSTANTIATE_TEST_SUITE_P(Contact, AnyLaw, testing::Values("eroding_surface", "sl
 // The greatest depth is 0.6 here, the step 1 ms.
 TEST_P(AnyLaw, CountsANodeInTheStepInWhichItPassesTheGreatestDepth) {
   Roof roof;
-  roof.candidates.end = 1;
+  roof.candidates[0].end = 1;
   const Vec3 corner[4] = {{-1, -1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0}};
   for (int n = 0; n < 4; ++n)
     for (int d = 0; d < 3; ++d) roof.position[4 * n + d] = Roof::ridge[d] + corner[n][d];
@@ -314,7 +300,7 @@ TEST_P(AnyLaw, CountsANodeInTheStepInWhichItPassesTheGreatestDepth) {
 
 TEST_P(AnyLaw, BoundsTheStepOfANodeThatClosesIn) {
   Roof roof;
-  roof.candidates.end = 1;
+  roof.candidates[0].end = 1;
   const Vec3 corner[4] = {{-1, -1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0}};
   for (int n = 0; n < 4; ++n)
     for (int d = 0; d < 3; ++d) roof.position[4 * n + d] = Roof::ridge[d] + corner[n][d];
@@ -342,7 +328,7 @@ TEST_P(AnyLaw, LetsGoOfWhatIsDeeperThanTheFacetWasLarge) {
   for (const Case c :
        {Case{1.0, 1.0, 2.0, 0.25}, Case{0.125, 1.0, 1.5, 1.5}, Case{0.5, 27.0, 3.0, 3.0}, Case{4.0, 512.0, 9.0, 4.0}}) {
     Roof roof;
-    roof.candidates.end = 1;
+    roof.candidates[0].end = 1;
     const double w = 0.5 * c.width;
     const Vec3 corner[4] = {{-4, -w, 0}, {-4, w, 0}, {0, -w, 0}, {0, w, 0}};
     for (int n = 0; n < 4; ++n)
