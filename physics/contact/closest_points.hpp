@@ -158,16 +158,28 @@ struct Touch {
   }
   Touch best;
   if (found < 0) return best;
-  const int k = found;
-  best.weights[k] = closest.a[k] + 0.25 * closest.c[k];
-  best.weights[(k + 1) % 4] = closest.b[k] + 0.25 * closest.c[k];
-  best.weights[(k + 2) % 4] = 0.25 * closest.c[k];
-  best.weights[(k + 3) % 4] = 0.25 * closest.c[k];
-  best.distance = distance[k];
-  best.side = side[k];
-  best.direction = closest.inside[k] != 0 || !(distance[k] > 0.0)
-                       ? normal.at(k)
-                       : closest.way.at(k) * ((side[k] < 0.0 ? -1.0 : 1.0) / distance[k]);
+  // Where several triangles are equally close and face the node equally well, their mean: what is symmetric stays so.
+  Vec3 direction;
+  double n = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    if (counts[k] == 0 || !(side[k] * side[found] >= side[found] * side[found] * (1.0 - 1e-9))) continue;
+    best.weights[k] += closest.a[k] + 0.25 * closest.c[k];
+    best.weights[(k + 1) % 4] += closest.b[k] + 0.25 * closest.c[k];
+    best.weights[(k + 2) % 4] += 0.25 * closest.c[k];
+    best.weights[(k + 3) % 4] += 0.25 * closest.c[k];
+    direction = direction + (closest.inside[k] != 0 || !(distance[k] > 0.0)
+                                 ? normal.at(k)
+                                 : closest.way.at(k) * ((side[k] < 0.0 ? -1.0 : 1.0) / distance[k]));
+    n += 1.0;
+  }
+  if (n > 1.0) {
+    for (double& weight : best.weights) weight /= n;
+    const double size_of_sum = norm(direction);
+    direction = size_of_sum > 0.0 ? direction * (1.0 / size_of_sum) : normal.at(found);
+  }
+  best.distance = distance[found];
+  best.side = side[found];
+  best.direction = direction;
   best.lowest = lowest;
   return best;
 }

@@ -25,8 +25,9 @@ struct ErodingSurface final : Contact {
   double penalty = 0.4, damping = 0.2, friction = 0.0, depth = 0.6, stability = 0.4;
   static constexpr double opposing = -0.2;  // cosine between the normals of surfaces that may touch
   static constexpr double straight_below = -0.95;  // cosine between the way to the closest point and the normal
-  static constexpr double straight_enough = 0.9;  // cosine between the way to the closest point and the smooth normal
+  static constexpr double straight_enough = 0.925;  // cosine between the way to the closest point and the smooth normal
   static constexpr double straight_angle = 3.14159265358979323846;
+  static constexpr double on_surface = 1e-9;  // depth that is round-off, in the facet's longest edge
   bool self_contact = true, edges = true;
 
   static void describe(Schema<ErodingSurface>& s) {
@@ -104,7 +105,13 @@ struct ErodingSurface final : Contact {
       std::int32_t facet;
       double least_square;  // [m2]
     };
+    struct Found {
+      std::int32_t facet;
+      Touch touch;
+      Vec3 point;  // of the facet, that is closest to the node [m]
+    };
     std::vector<Facet> facets;
+    std::vector<Found> found;  // the closest ones: several, where points of the surface are equally close
     int first = -1;  // the facet that is probably closest
     double least_flush = 1e300;  // of those that are left out as flush [m2]
     std::vector<std::int32_t> round;  // facets round one corner
@@ -178,9 +185,10 @@ struct ErodingSurface final : Contact {
         has_own = true;
         return !same_part || (pushing & mask_of(seen.along(own) < opposing)) != 0;
       });
-      Touch t;
-      const int facet = any ? locate(view, view.slave[i], own, same_part, {from, to}, slabs, near, t) : -1;
-      if (facet >= 0) push(facet, t);
+      if (any) {
+        locate(view, view.slave[i], own, same_part, {from, to}, slabs, near);
+        for (const auto& found : near.found) push(found.facet, found.touch);
+      }
       from = to;
     }
   }
@@ -188,32 +196,39 @@ struct ErodingSurface final : Contact {
   /// Whether a surface with one normal may touch one of the same body with another.
   static bool faces(Vec3 own, Vec3 normal) { return dot(own, own) == 0.0 || dot(own, normal) < opposing; }
 
-  /// The facet of one body that the node is to be pushed out of, or -1. The closest facet decides; among facets that
-  /// share the closest point, the one that faces the node; ties go to the lower facet id, which comes first.
-  int locate(const ContactView& view, int node, Vec3 own, bool same_part, std::span<const std::int32_t> facets,
-             const FacetSlabs& slabs, Near& near, Touch& best) const {
+  /// Finds the facet of one body that the node is to be pushed out of. The closest one decides; among facets that share
+  /// the closest point, the one that faces the node; ties go to the lower facet id, which comes first. Where different
+  /// points are equally close, the node is pushed away from each of them, so that what is symmetric stays so.
+  void locate(const ContactView& view, int node, Vec3 own, bool same_part, std::span<const std::int32_t> facets,
+              const FacetSlabs& slabs, Near& near) const {
     const Vec3 s = view.x(node);
     list_near(s, own, same_part, facets, slabs, near);
-    const int found = closest_of(view, near, s, slabs, best);
-    if (found < 0) return -1;
-    if (best.distance > FacetSlabs::sight * slabs.deepest(found)) return -1;
+    find_closest(view, s, slabs, near);
+    std::erase_if(near.found,
+                  [&](Near::Found& found) { return !is_inside(view, s, own, same_part, facets, slabs, near, found); });
+  }
+
+  /// Whether a node is inside of a body, and near enough to its closest point to be pushed out there. Refines the touch
+  /// where that point is on an edge.
+  bool is_inside(const ContactView& view, Vec3 s, Vec3 own, bool same_part, std::span<const std::int32_t> facets,
+                 const FacetSlabs& slabs, const Near& near, Near::Found& found) const {
+    Touch& t = found.touch;
+    if (t.distance > FacetSlabs::sight * slabs.deepest(found.facet)) return false;
+    if (t.distance < on_surface * slabs.size(found.facet)) return false;
     // Within one body the facets around the node are no candidates, so the surface has gaps there: only what is
     // straight below a facet that faces the node is believed to be inside.
-    if (same_part) return best.side < straight_below && faces(own, slabs.normal(found)) ? found : -1;
-    if (std::fabs(best.side) > 1.0 - 1e-9) return best.side < 0.0 ? found : -1;
+    if (same_part) return t.side < straight_below && faces(own, slabs.normal(found.facet));
+    if (std::fabs(t.side) > 1.0 - 1e-9) return t.side < 0.0;
     // Below an edge or a corner the surface as a whole decides; mostly all facets that hold the point agree.
-    const double around = best.distance + 1e-6 * slabs.size(found);
-    if (best.lowest >= 0.0 && near.least_flush > around * around) return -1;
-    const std::int32_t* corners = view.facet_nodes + 4 * static_cast<std::int64_t>(found);
-    Vec3 point;
-    for (int k = 0; k < 4; ++k) point = point + view.x(corners[k]) * best.weights[k];
-    const Vec3 away = s - point;
-    if (!(dot(away, normal_at(view, facets, slabs, point, best.distance)) < 0.0)) return -1;
+    const double around = t.distance + 1e-6 * slabs.size(found.facet);
+    if (t.lowest >= 0.0 && near.least_flush > around * around) return false;
+    const Vec3 away = s - found.point;
+    if (!(dot(away, normal_at(view, facets, slabs, found.point, t.distance)) < 0.0)) return false;
     // A node on the edge itself is off it by round-off alone: length and direction must be those of one vector.
-    best.distance = norm(away);
-    if (!(best.distance > 0.0)) return -1;
-    best.direction = away * (-1.0 / best.distance);
-    return found;
+    t.distance = norm(away);
+    if (!(t.distance > 0.0)) return false;
+    t.direction = away * (-1.0 / t.distance);
+    return true;
   }
 
   /// Lists the facets of one body that the node may be within reach of, and which of them is probably closest.
@@ -243,32 +258,49 @@ struct ErodingSurface final : Contact {
     });
   }
 
-  /// The closest of the near facets within its own reach, or -1. Most need not be looked at after the likely one.
-  int closest_of(const ContactView& view, const Near& near, Vec3 s, const FacetSlabs& slabs, Touch& best) const {
-    if (near.first < 0) return -1;
+  /// Finds the closest of the near facets within their own reach. Most need not be looked at after the likely one.
+  void find_closest(const ContactView& view, Vec3 s, const FacetSlabs& slabs, Near& near) const {
+    near.found.clear();
+    if (near.first < 0) return;
     const auto touch = [&](int f) { return touch_facet(Triangles(view, f), slabs.size(f), s); };
     const Touch guess = touch(near.first);
     const bool counts = guess.distance <= slabs.reach(near.first);
     const double enough = counts ? guess.distance + 1e-6 * slabs.size(near.first) : 1e150;
-    int found = -1;
-    double found_size = 0.0;
+    double least = 1e300, size = 0.0;
     for (const auto& [f, least_square] : near.facets) {
       if (least_square > enough * enough) continue;
       const Touch t = f == near.first ? guess : touch(f);
       if (!(t.distance <= slabs.reach(f))) continue;
-      const double tolerance = 1e-9 * max_of(slabs.size(f), found_size);
-      const bool nearer = found < 0 || t.distance < best.distance - tolerance;
-      const bool same = !nearer && t.distance <= best.distance + tolerance;
-      if (!nearer && !same) continue;
-      const double lowest = same ? min_of(best.lowest, t.lowest) : t.lowest;
-      if (nearer || std::fabs(t.side) > std::fabs(best.side)) {
-        best = t;
-        found = f;
-        found_size = slabs.size(f);
+      const double tolerance = 1e-9 * max_of(slabs.size(f), size);
+      if (t.distance > least + tolerance) continue;
+      if (t.distance < least - tolerance) near.found.clear();
+      if (near.found.empty()) {
+        least = t.distance;
+        size = slabs.size(f);
       }
-      best.lowest = lowest;
+      add_closest({f, t, point_of(view, f, t)}, tolerance, near.found);
     }
-    return found;
+  }
+
+  static Vec3 point_of(const ContactView& view, int facet, const Touch& t) {
+    const std::int32_t* corners = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
+    Vec3 point;
+    for (int k = 0; k < 4; ++k) point = point + view.x(corners[k]) * t.weights[k];
+    return point;
+  }
+
+  /// Adds one of several equally close facets; of facets that share the closest point, the one that faces the node is
+  /// kept.
+  static void add_closest(const Near::Found& next, double tolerance, std::vector<Near::Found>& found) {
+    for (Near::Found& other : found) {
+      const Vec3 d = next.point - other.point;
+      if (!(dot(d, d) <= tolerance * tolerance)) continue;
+      const double lowest = min_of(other.touch.lowest, next.touch.lowest);
+      if (std::fabs(next.touch.side) > std::fabs(other.touch.side)) other = next;
+      other.touch.lowest = lowest;
+      return;
+    }
+    found.push_back(next);
   }
 
   /// Sum of the normals of all triangles that hold a point of a body's surface, each weighted by the angle that it
