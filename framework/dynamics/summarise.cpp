@@ -145,32 +145,35 @@ double dissipated_by_elements(const Model& model, double eroded) {
 }
 
 /// A sentence where hourglass control has taken more than a tenth of what was dissipated, and more than a hundredth of
-/// what there was; otherwise nothing.
-std::string hourglass_warning(const Summary& s) {
+/// what there was.
+void warn_of_hourglass_share(Summary& s) {
   const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
-  if (!(s.hourglass.share() > 0.1) || !(s.hourglass.energy > 0.01 * present)) return {};
-  return fmt::format(
+  if (!(s.hourglass.share() > 0.1) || !(s.hourglass.energy > 0.01 * present)) return;
+  s.warnings.push_back(fmt::format(
       "warning: hourglass control took {:.0f} % of all energy that was dissipated; expected less than 10 %: refine the "
-      "mesh, spread concentrated loads, or choose another form of hourglass control or another "
-      "hourglass_coefficient\n",
-      100.0 * s.hourglass.share());
+      "mesh, spread concentrated loads, or choose another form of hourglass control or another hourglass_coefficient",
+      100.0 * s.hourglass.share()));
 }
 
-/// A sentence for each law that has given more than a thousandth of what there was to the nodes; otherwise nothing.
-std::string gain_warnings(const Summary& s) {
+/// A sentence for each law that has given more than a thousandth of what there was to the nodes.
+void warn_of_gains(Summary& s) {
   const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
-  std::string text;
   if (s.energy.contact_given_back > 1e-3 * present)
-    text += fmt::format(
+    s.warnings.push_back(fmt::format(
         "warning: contact has given {:.4g} J more to the nodes than it has taken, which is wrong by as much; try a smaller "
-        "time.safety_factor, damping: 1, or cells of like size where bodies meet\n",
-        s.energy.contact_given_back);
+        "time.safety_factor, damping: 1, or cells of like size where bodies meet",
+        s.energy.contact_given_back));
   if (s.energy.hourglass_given_back > 1e-3 * present)
-    text += fmt::format(
+    s.warnings.push_back(fmt::format(
         "warning: hourglass control has given {:.4g} J more to the nodes than it has taken, which is wrong by as much; "
-        "choose hourglass: viscous for soft or badly deformed parts\n",
-        s.energy.hourglass_given_back);
-  return text;
+        "choose hourglass: viscous for soft or badly deformed parts",
+        s.energy.hourglass_given_back));
+}
+
+void warn_of_nodes_let_go(Summary& s) {
+  if (s.contact_let_go.nodes == 0) return;
+  s.warnings.push_back(fmt::format("warning: contact has let go of {} nodes, up to {:.4g} m deep, the first at {:.6g} s",
+                                   s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time));
 }
 
 std::string number_or_null(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
@@ -247,6 +250,10 @@ Summary Reporter::summarise(const std::string& exit) {
     }
   }
   s.warnings = simulation_.warnings();
+  s.first_end_warning = s.warnings.size();
+  warn_of_hourglass_share(s);
+  warn_of_gains(s);
+  warn_of_nodes_let_go(s);
   add_parts(s);
   add_measures(s);
   add_timers(s);
@@ -325,14 +332,11 @@ std::string Reporter::table_of(const Summary& s) const {
   for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
   fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
   fmt::format_to(out, "  {:<16}{:>15.2f} %\n", "hourglass share", 100.0 * s.hourglass.share());
-  fmt::format_to(out, "{}{}", hourglass_warning(s), gain_warnings(s));
+  for (std::size_t k = s.first_end_warning; k < s.warnings.size(); ++k) fmt::format_to(out, "{}\n", s.warnings[k]);
   fmt::format_to(out, "\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
   for (const auto& [name, p] : s.parts)
     fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14}\n", name, p.elements, p.alive, p.mass,
                    number_or_null(norm({p.velocity[0], p.velocity[1], p.velocity[2]})));
-  if (s.contact_let_go.nodes > 0)
-    fmt::format_to(out, "\nwarning: contact has let go of {} nodes, up to {:.4g} m deep, the first at {:.6g} s\n",
-                   s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time);
   if (s.eroded.elements > 0) {
     fmt::format_to(out, "\neroded by");
     for (const auto& [name, n] : s.eroded.by_criterion) fmt::format_to(out, "  {} {}", name, n);
