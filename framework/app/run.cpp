@@ -15,15 +15,15 @@
 #include "app/load_input.hpp"
 #include "core/diagnostics.hpp"
 #include "core/physics_error.hpp"
-#include "dynamics/reporter.hpp"
 #include "dynamics/simulation.hpp"
-#include "dynamics/state_hash.hpp"
 #include "kerf/measure.hpp"
 #include "output/collective.hpp"
 #include "output/file.hpp"
 #include "output/restart.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/runtime.hpp"
+#include "report/reporter.hpp"
+#include "report/state_hash.hpp"
 
 namespace kerf {
 

@@ -3,8 +3,8 @@
 
 #include <chrono>
 
+#include "model/migrator.hpp"
 #include "parallel/communicator.hpp"
-#include "parallel/migrator.hpp"
 
 namespace kerf {
 

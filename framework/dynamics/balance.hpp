@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "state/model.hpp"
+#include "model/model.hpp"
 
 namespace kerf {
 

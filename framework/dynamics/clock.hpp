@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "dynamics/step.hpp"
 #include "input/model_input.hpp"
+#include "model/step.hpp"
 
 namespace kerf {
 

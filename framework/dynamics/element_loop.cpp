@@ -8,7 +8,8 @@
 #include <limits>
 
 #include "core/flush_denormals.hpp"
-#include "dynamics/exposure.hpp"
+#include "model/copies.hpp"
+#include "model/exposure.hpp"
 
 namespace kerf {
 
@@ -131,10 +132,6 @@ void with_view(Model& model, PartModel& part, const Work& work) {
 
 }  // namespace
 
-std::string element_name(const Model& model, int part, std::int64_t id) {
-  return fmt::format("element {} (part {}, rank {})", id, model.parts[part].input->name, model.rank());
-}
-
 ElementReport initialise_elements(Model& model) {
   ElementReport report;
   report.least_step = std::numeric_limits<double>::max();
@@ -164,25 +161,6 @@ ElementReport add_internal_forces(Model& model, const Step& step, Erosion& erosi
   }
   report.failed = erosion.any_failed();
   return report;
-}
-
-void sum_over_copies(const Model& model, std::int64_t* values, int stride) {
-  if (!model.ghost_plan) return;
-  const int n = std::min(stride, 3);
-  std::vector<std::int64_t> copies(model.ghosts.size() * static_cast<std::size_t>(n));
-  for (std::size_t g = 0; g < model.ghosts.size(); ++g)
-    for (int c = 0; c < n; ++c) copies[g * n + c] = values[static_cast<std::size_t>(model.ghosts[g]) * stride + c];
-  model.ghost_plan->push_add(copies.data(), n, values, stride, n);
-  copy_to_ghosts(model, values, stride);
-}
-
-void copy_to_ghosts(const Model& model, std::int64_t* values, int stride) {
-  if (!model.ghost_plan) return;
-  const int n = std::min(stride, 3);
-  std::vector<std::int64_t> copies(model.ghosts.size() * static_cast<std::size_t>(n));
-  model.ghost_plan->pull(values, stride, copies.data(), n, n);
-  for (std::size_t g = 0; g < model.ghosts.size(); ++g)
-    for (int c = 0; c < n; ++c) values[static_cast<std::size_t>(model.ghosts[g]) * stride + c] = copies[g * n + c];
 }
 
 }  // namespace kerf

@@ -5,10 +5,10 @@
 #include <limits>
 #include <string>
 
-#include "dynamics/erosion.hpp"
-#include "dynamics/ledger.hpp"
-#include "dynamics/step.hpp"
-#include "state/model.hpp"
+#include "erosion/erosion.hpp"
+#include "model/ledger.hpp"
+#include "model/model.hpp"
+#include "model/step.hpp"
 
 namespace kerf {
 
@@ -27,14 +27,4 @@ ElementReport initialise_elements(Model& model);
 
 /// Strain, stress, forces and verdicts of all elements. Local.
 ElementReport add_internal_forces(Model& model, const Step& step, Erosion& erosion, Ledger& ledger);
-
-/// Adds the copies of every node and gives all of them the sum. `values` has `stride` entries per node, of which
-/// the first min(stride, 3) travel. Collective.
-void sum_over_copies(const Model& model, std::int64_t* values, int stride);
-/// Gives every copy of a node on other ranks the values of its owner. Collective.
-void copy_to_ghosts(const Model& model, std::int64_t* values, int stride);
-
-/// "element 17 (part rod, rank 0)".
-std::string element_name(const Model& model, int part, std::int64_t id);
-
 }  // namespace kerf

@@ -1,16 +1,11 @@
 // The kick and drift of all nodes, and the books of what constrains and loads them.
 #include "dynamics/integrator.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/fixed_sum.hpp"
-#include "dynamics/names.hpp"
-#include "dynamics/setup.hpp"
-#include "parallel/communicator.hpp"
+#include "model/prediction.hpp"
 
 namespace kerf {
 
@@ -37,13 +32,6 @@ void advance_nodes(NodeStore& nodes, double quantum, double kick_dt, double dt, 
   for (int i = n; i < n + NodeStore::n_dummies; ++i) f[i] = QuadInt{};
 }
 
-/// The velocity of a node after a kick, without boundary conditions [m/s]; `factor` leads from force quanta times the
-/// inverse mass to velocity.
-Quad kicked(const NodeStore& nodes, int i, double factor) {
-  return row_of(nodes.velocity.data(), i) +
-         __builtin_convertvector(row_of(nodes.force.data(), i), Quad) * (nodes.inverse_mass[i] * factor);
-}
-
 /// Work that contact takes from the nodes: minus force times mean velocity.
 std::int64_t contact_work(const Model& model, const Ledger& ledger, const std::int64_t* force, double kick_dt,
                           Vec3 mean) {
@@ -54,138 +42,6 @@ std::int64_t contact_work(const Model& model, const Ledger& ledger, const std::i
 }
 
 }  // namespace
-
-void Integrator::resolve(const Model& model) {
-  constrained_.clear();
-  const auto& boundaries = model.input->boundaries;
-  std::vector<NodeGroup> groups;
-  for (const auto& b : boundaries) groups.emplace_back(model, b->nodes());
-  near_.assign(boundaries.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
-  always_ = near_;
-  for (int i = 0; i < model.nodes.n(); ++i) {
-    std::uint64_t always = 0;
-    for (std::size_t b = 0; b < boundaries.size(); ++b) {
-      if (!groups[b].holds(model.nodes, i)) continue;
-      // By the undeformed position, which does not depend on when the question is asked.
-      const Boundary::Ask ask = boundaries[b]->ask(reference_position(model, model.nodes.id[i]));
-      if (ask == Boundary::Ask::always) always |= std::uint64_t{1} << b;
-      if (ask == Boundary::Ask::near_region) near_[i] |= std::uint64_t{1} << b;
-    }
-    if (always == 0) continue;
-    constrained_.push_back({i, always});
-    always_[i] = always;
-  }
-}
-
-std::vector<HalfSpace> Integrator::regions(const Model& model, const Step& step) {
-  std::vector<HalfSpace> all;
-  for (const auto& b : model.input->boundaries) all.push_back(b->region(step.end()));
-  return all;
-}
-
-Prediction::Prediction(const Integrator& integrator, const Model& model, const Step& next)
-    : integrator_(integrator),
-      model_(model),
-      next_(next),
-      factor_(model.quanta.force.quantum * next.kick_dt()),
-      planes_(Integrator::regions(model, next)) {}
-
-/// Whether no condition is asked about a flight: most nodes are far from the regions of all that are not always asked.
-bool Prediction::is_free(int i, const Quad& v) const {
-  if (integrator_.always_.empty()) return true;
-  if (integrator_.always_[i] != 0) return false;
-  if (integrator_.near_[i] == 0) return true;
-  const Vec3 to = vector_of(from(i) + v * next_.dt);
-  for (std::size_t b = 0; b < planes_.size(); ++b)
-    if ((integrator_.near_[i] >> b & 1u) != 0 && dot(planes_[b].normal, to) < planes_[b].offset) return false;
-  return true;
-}
-
-Quad Prediction::velocity(int i) const {
-  const Quad v = kicked(model_.nodes, i, factor_);
-  if (is_free(i, v)) return v;
-  return quad_of(integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i),
-                                       vector_of(v)));
-}
-
-Prediction::Flight Prediction::flight(int i) const {
-  Flight f{.velocity = kicked(model_.nodes, i, factor_), .position = {}};
-  if (!is_free(i, f.velocity)) {
-    const Vec3 v = vector_of(f.velocity);
-    const Vec3 constrained =
-        integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), v);
-    f.velocity = quad_of(constrained);
-    f.held_axes = held_axes(i, v, constrained);
-  }
-  f.position = from(i) + f.velocity * next_.dt;
-  return f;
-}
-
-unsigned Prediction::held_axes(int i, Vec3 v, Vec3 unpushed) const {
-  const double push = 1e-3 * norm(v) + 1e-3;  // far above round-off [m/s]
-  unsigned held = 0;
-  for (int d = 0; d < 3; ++d) {
-    Vec3 pushed = v;
-    pushed[d] += push;
-    const Vec3 end =
-        integrator_.constrain(model_, i, integrator_.always_[i], next_, planes_, model_.nodes.v(i), pushed);
-    if (norm(end - unpushed) < 1e-6 * push) held |= 1u << d;
-  }
-  return held;
-}
-
-void Integrator::initialise(Model& model) const {
-  const auto& boundaries = model.input->boundaries;
-  for (const auto& b : boundaries) {
-    const NodeGroup group(model, b->nodes());
-    for (int i = 0; i < model.nodes.n(); ++i)
-      if (group.holds(model.nodes, i)) {
-        const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)};
-        model.nodes.set_v(i, b->initial(node, model.nodes.v(i)));
-      }
-  }
-}
-
-std::vector<std::string> Integrator::complaints(const Model& model) const {
-  std::vector<std::string> lines;
-  for (const auto& b : model.input->boundaries) {
-    const NodeGroup group(model, b->nodes());
-    // Of many nodes, the one with the lowest id speaks.
-    std::int64_t n = 0, lowest = std::numeric_limits<std::int64_t>::max();
-    std::string text;
-    for (int i = 0; i < model.nodes.n(); ++i) {
-      if (!model.nodes.owned[i] || !group.holds(model.nodes, i)) continue;
-      std::string line = b->complaint({model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)});
-      if (line.empty()) continue;
-      ++n;
-      if (model.nodes.id[i] > lowest) continue;
-      lowest = model.nodes.id[i];
-      text = std::move(line);
-    }
-    n = sum_of(model.comm, n);
-    if (lowest != -greatest(model.comm, -lowest)) text.clear();
-    text = first_text(model.comm, text);
-    if (n > 0)
-      lines.push_back(fmt::format("{}: error: {}{}", b->origin,
-                                  n > 1 ? fmt::format("{} nodes cannot start where they are: ", n) : "", text));
-  }
-  return lines;
-}
-
-/// The velocity that the conditions leave of a free flight from the node's present position. Those with a region are
-/// asked only if the flight, as changed by those before them, ends there.
-Vec3 Integrator::constrain(const Model& model, int i, std::uint64_t always, const Step& step,
-                           const std::vector<HalfSpace>& planes, Vec3 old_velocity, Vec3 velocity) const {
-  const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), old_velocity};
-  const BoundaryStep when{step.start + 0.5 * step.dt, step.dt};
-  const auto& boundaries = model.input->boundaries;
-  for (std::size_t b = 0; b < boundaries.size(); ++b) {
-    const bool near =
-        (near_[i] >> b & 1u) != 0 && dot(planes[b].normal, node.position + velocity * step.dt) < planes[b].offset;
-    if (near || (always >> b & 1u) != 0) velocity = boundaries[b]->constrain(node, when, velocity);
-  }
-  return velocity;
-}
 
 void Integrator::count(const Model& model, int node, Vec3 before, Vec3 free_flight, Vec3 after, Ledger& ledger) const {
   if (!model.nodes.owned[node]) return;
@@ -202,23 +58,25 @@ void Integrator::advance_guarded(Model& model, const Step& step, const std::vect
     Vec3 before, free_flight, from;
   };
   std::vector<Hit> hits;
-  advance_nodes(nodes, model.quanta.force.quantum, step.kick_dt(), step.dt,
-                [&](int i, Quad before, Quad after, Quad from, Quad to) {
-                  if (near_[i] == 0) return;
-                  for (std::size_t b = 0; b < planes.size(); ++b) {
-                    const Vec3 n = planes[b].normal;
-                    if ((near_[i] >> b & 1u) == 0 || !(n.x * to[0] + n.y * to[1] + n.z * to[2] < planes[b].offset))
-                      continue;
-                    hits.push_back({i, vector_of(before), vector_of(after), vector_of(from)});
-                    return;
-                  }
-                });
-  std::size_t next = 0;  // nodes of constrained_ are computed before the pass, with all their conditions
+  const auto& constrained = constraints_.constrained();
+  advance_nodes(
+      nodes, model.quanta.force.quantum, step.kick_dt(), step.dt,
+      [&](int i, Quad before, Quad after, Quad from, Quad to) {
+        if (constraints_.near(i) == 0) return;
+        for (std::size_t b = 0; b < planes.size(); ++b) {
+          const Vec3 n = planes[b].normal;
+          if ((constraints_.near(i) >> b & 1u) == 0 || !(n.x * to[0] + n.y * to[1] + n.z * to[2] < planes[b].offset))
+            continue;
+          hits.push_back({i, vector_of(before), vector_of(after), vector_of(from)});
+          return;
+        }
+      });
+  std::size_t next = 0;  // constrained nodes are computed before the pass, with all their conditions
   for (const Hit& h : hits) {
-    while (next < constrained_.size() && constrained_[next].node < h.node) ++next;
-    if (next < constrained_.size() && constrained_[next].node == h.node) continue;
+    while (next < constrained.size() && constrained[next].node < h.node) ++next;
+    if (next < constrained.size() && constrained[next].node == h.node) continue;
     nodes.set_x(h.node, h.from);
-    const Vec3 v = constrain(model, h.node, 0, step, planes, h.before, h.free_flight);
+    const Vec3 v = constraints_.constrain(model, h.node, 0, step, planes, h.before, h.free_flight);
     count(model, h.node, h.before, h.free_flight, v, ledger);
     nodes.set_v(h.node, v);
     nodes.set_x(h.node, h.from + v * step.dt);
@@ -231,10 +89,11 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
   // What must be known of the time before the kick: constrained velocities are found while positions still stand
   // at the start of the step.
   saved_.clear();
-  const std::vector<HalfSpace> planes = regions(model, step);
-  for (const Constrained& c : constrained_) {
+  const auto& constrained = constraints_.constrained();
+  const std::vector<HalfSpace> planes = Constraints::regions(model, step);
+  for (const Constraints::Constrained& c : constrained) {
     const Vec3 before = nodes.v(c.node), free_flight = vector_of(kicked(nodes, c.node, factor));
-    const Vec3 v = constrain(model, c.node, c.always, step, planes, before, free_flight);
+    const Vec3 v = constraints_.constrain(model, c.node, c.always, step, planes, before, free_flight);
     const Vec3 x = nodes.x(c.node);
     saved_.insert(saved_.end(), {v.x, v.y, v.z, x.x, x.y, x.z});
     count(model, c.node, before, free_flight, v, ledger);
@@ -244,16 +103,16 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
     old_load_velocity_.insert(old_load_velocity_.end(),
                               {nodes.velocity[4 * n], nodes.velocity[4 * n + 1], nodes.velocity[4 * n + 2]});
 
-  if (near_.empty())
+  if (constraints_.none())
     advance_nodes(nodes, quantum, step.kick_dt(), step.dt, [](int, Quad, Quad, Quad, Quad) {});
   else
     advance_guarded(model, step, planes, ledger);
 
-  for (std::size_t k = 0; k < constrained_.size(); ++k) {
+  for (std::size_t k = 0; k < constrained.size(); ++k) {
     const double* s = &saved_[6 * k];
     const Vec3 v{s[0], s[1], s[2]};
-    nodes.set_v(constrained_[k].node, v);
-    nodes.set_x(constrained_[k].node, Vec3{s[3], s[4], s[5]} + v * step.dt);
+    nodes.set_v(constrained[k].node, v);
+    nodes.set_x(constrained[k].node, Vec3{s[3], s[4], s[5]} + v * step.dt);
   }
   for (std::size_t k = 0; k < load.nodes.size(); ++k) {
     const double* v = &old_load_velocity_[3 * k];
@@ -280,17 +139,19 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
   for (std::size_t i = 0; i < n; ++i)
     enter(i, nodes.v(static_cast<int>(i)), vector_of(kicked(nodes, static_cast<int>(i), factor)));
   std::int64_t external = 0, contact = 0, friction = 0;
-  const std::vector<HalfSpace> planes = regions(model, next);
+  const std::vector<HalfSpace> planes = Constraints::regions(model, next);
   const auto apply = [&](int i, std::uint64_t always) {
     const Vec3 before = nodes.v(i), free_flight = vector_of(kicked(nodes, i, factor));
-    const Vec3 v = constrain(model, i, always, next, planes, before, free_flight);
+    const Vec3 v = constraints_.constrain(model, i, always, next, planes, before, free_flight);
     enter(static_cast<std::size_t>(i), before, v);
     if (nodes.owned[i]) external += ledger.energy_quanta(model, nodes.mass[i] * dot(v - free_flight, before));
   };
+  const auto& constrained = constraints_.constrained();
+  const int n_asked = constraints_.none() ? 0 : nodes.n();
   std::size_t at = 0;
-  for (int i = 0; i < static_cast<int>(near_.size()); ++i) {
-    const bool listed = at < constrained_.size() && constrained_[at].node == i;
-    if (listed || near_[i] != 0) apply(i, listed ? constrained_[at].always : 0);
+  for (int i = 0; i < n_asked; ++i) {
+    const bool listed = at < constrained.size() && constrained[at].node == i;
+    if (listed || constraints_.near(i) != 0) apply(i, listed ? constrained[at].always : 0);
     at += listed ? 1 : 0;
   }
   for (std::size_t k = 0; k < load.nodes.size(); ++k) {

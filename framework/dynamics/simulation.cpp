@@ -12,9 +12,11 @@
 #include "core/diagnostics.hpp"
 #include "core/fixed_sum.hpp"
 #include "core/physics_error.hpp"
-#include "dynamics/model_warnings.hpp"
-#include "dynamics/setup.hpp"
+#include "erosion/record.hpp"
+#include "model/copies.hpp"
+#include "model/setup.hpp"
 #include "parallel/communicator.hpp"
+#include "review/model_warnings.hpp"
 
 namespace kerf {
 
@@ -72,7 +74,7 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
     contacts_.push_back(std::make_unique<ContactEngine>(model_, *law, std::move(space)));
   }
   erosion_ = std::make_unique<Erosion>(model_);
-  integrator_.initialise(model_);
+  constraints_.initialise(model_);
   ledger_.open(model_);
   renumbered();
 
@@ -111,7 +113,7 @@ void Simulation::start_contact(const ElementReport& report) {
 
 /// Throws where nodes cannot start as they stand, or bodies that may touch overlap.
 void Simulation::refuse_bad_start(const ContactCover& cover) {
-  std::vector<std::string> errors = integrator_.complaints(model_);
+  std::vector<std::string> errors = constraints_.complaints(model_);
   std::vector<bool> reported(contacts_.size(), false);
   for (const Overlap& o : find_overlaps(model_)) {
     const int contact = cover.between(o.first, o.second);
@@ -167,7 +169,7 @@ std::vector<std::string> Simulation::judge_end() {
 }
 
 void Simulation::renumbered() {
-  integrator_.resolve(model_);
+  constraints_.resolve(model_);
   for (auto& c : contacts_) c->renumbered(model_);
 }
 
@@ -265,7 +267,7 @@ void Simulation::add_forces(const Step& step) {
 /// Contact needs to know what all other forces will do in the coming step.
 void Simulation::add_contact_forces(const Step& step) {
   if (contacts_.empty()) return;
-  const Prediction prediction(integrator_, model_, next_step());
+  const Prediction prediction(constraints_, model_, next_step());
   for (auto& c : contacts_) {
     c->add_forces(model_, step, prediction, timers_);
     for (const ContactTouches::LetGo& l : c->touches().all_let_go())

@@ -7,17 +7,18 @@
 #include <unordered_map>
 #include <vector>
 
+#include "contact/engine.hpp"
 #include "core/timers.hpp"
 #include "dynamics/balance.hpp"
 #include "dynamics/clock.hpp"
-#include "dynamics/contact_engine.hpp"
 #include "dynamics/element_loop.hpp"
-#include "dynamics/erosion.hpp"
-#include "dynamics/initial_overlap.hpp"
 #include "dynamics/integrator.hpp"
-#include "dynamics/ledger.hpp"
+#include "erosion/erosion.hpp"
+#include "erosion/record.hpp"
+#include "model/ledger.hpp"
+#include "model/model.hpp"
 #include "plugin/registry.hpp"
-#include "state/model.hpp"
+#include "review/initial_overlap.hpp"
 
 namespace kerf {
 
@@ -120,7 +121,8 @@ class Simulation {
   Ledger ledger_;
   Clock clock_;
   Balancer balancer_;
-  Integrator integrator_;
+  Constraints constraints_;
+  Integrator integrator_{constraints_};
   std::unique_ptr<Erosion> erosion_;
   std::vector<std::unique_ptr<ContactEngine>> contacts_;
   std::vector<StepObserver*> observers_;

@@ -14,9 +14,9 @@
 #include "kerf/eos.hpp"
 #include "kerf/erosion.hpp"
 #include "kerf/material.hpp"
+#include "kerf/mesh.hpp"
 #include "kerf/partitioner.hpp"
 #include "kerf/schema.hpp"
-#include "mesh/generator.hpp"
 
 namespace kerf {
 

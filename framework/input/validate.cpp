@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include "input/node_choice.hpp"
 #include "input/parameter_text.hpp"
+#include "input/placement.hpp"
 #include "input/read_model.hpp"
 #include "kerf/measure.hpp"
-#include "mesh/node_choice.hpp"
-#include "mesh/placement.hpp"
 
 namespace kerf {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/generator.hpp"
+#include "kerf/mesh.hpp"
 
 namespace kerf {
 

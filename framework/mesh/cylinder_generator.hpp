@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/generator.hpp"
+#include "kerf/mesh.hpp"
 #include "mesh/nose.hpp"
 #include "mesh/section.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "mesh/generator.hpp"
+#include "kerf/mesh.hpp"
 
 namespace kerf {
 

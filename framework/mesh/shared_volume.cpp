@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/assert.hpp"
-#include "mesh/surface.hpp"
+#include "model/surface.hpp"
 
 namespace kerf {
 

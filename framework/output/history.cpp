@@ -1,4 +1,4 @@
-// Formatting, gathering and cutting back of history.csv and erosion.csv.
+// Formatting, gathering and cutting back of history.csv.
 #include "output/history.hpp"
 
 #include <fmt/format.h>
@@ -17,25 +17,12 @@ namespace kerf {
 
 namespace {
 
-const char* const erosion_header = "time [s],cycle,element,part,criterion,value,mass [kg],energy [J]";
-
-/// A text as a CSV field; quoted only where it has to be.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 std::string header_of(const std::vector<HistoryColumn>& columns) {
   if (columns.empty()) throw std::invalid_argument("a history needs at least one column, the time");
   std::string header;
   for (const HistoryColumn& column : columns) {
     if (!header.empty()) header += ',';
-    header += field(column.name + " [" + column.unit + "]");
+    header += csv_field(column.name + " [" + column.unit + "]");
   }
   return header;
 }
@@ -64,6 +51,16 @@ double cut_back(const std::string& path, const std::string& header, double time)
 }
 
 }  // namespace
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
 
 CsvFile::CsvFile(MPI_Comm comm, const std::string& path) : comm_(comm) {
   on_root(comm, [&] { open(path); });
@@ -133,52 +130,6 @@ void HistoryWriter::write(std::span<const double> row) {
   if (row.size() != n_columns_)
     throw std::logic_error(fmt::format("a history row has {} values for {} columns", row.size(), n_columns_));
   file_.append(fmt::format("{}\n", fmt::join(row, ",")));
-}
-
-ErosionLog::ErosionLog(MPI_Comm comm, const std::string& path) : file_(comm, path, erosion_header) {}
-
-ErosionLog ErosionLog::resume(MPI_Comm comm, const std::string& path, double time) {
-  return ErosionLog(CsvFile::resume(comm, path, erosion_header, time));
-}
-
-void ErosionLog::append(MPI_Comm comm, const std::vector<ErosionRecord>& local) {
-  // Each rank formats its own rows; what travels is text and, per row, three numbers to sort and cut it by.
-  std::string text;
-  std::vector<std::int64_t> keys;  // cycle, element, length of the row
-  for (const ErosionRecord& r : local) {
-    const std::string row = fmt::format("{},{},{},{},{},{},{},{}\n", r.time, r.cycle, r.element, field(r.part),
-                                        field(r.criterion), r.value, r.mass, r.energy);
-    keys.insert(keys.end(), {r.cycle, r.element, static_cast<std::int64_t>(row.size())});
-    text += row;
-  }
-
-  int rank = 0, n_ranks = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &n_ranks);
-  const auto gather = [&]<class T>(const T* data, std::size_t n, MPI_Datatype type) {
-    const int count = static_cast<int>(n);
-    std::vector<int> counts(static_cast<std::size_t>(n_ranks)), starts(counts.size());
-    MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
-    std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), 0);
-    std::vector<T> all(rank == 0 ? static_cast<std::size_t>(starts.back() + counts.back()) : 0);
-    MPI_Gatherv(data, count, type, all.data(), counts.data(), starts.data(), type, 0, comm);
-    return all;
-  };
-  const std::vector<std::int64_t> all_keys = gather(keys.data(), keys.size(), MPI_INT64_T);
-  const std::vector<char> all_text = gather(text.data(), text.size(), MPI_CHAR);
-
-  struct Row {
-    std::int64_t cycle, element, start, length;
-  };
-  std::vector<Row> rows;
-  for (std::size_t i = 0; i < all_keys.size(); i += 3)
-    rows.push_back(
-        {all_keys[i], all_keys[i + 1], rows.empty() ? 0 : rows.back().start + rows.back().length, all_keys[i + 2]});
-  std::ranges::sort(
-      rows, [](const Row& a, const Row& b) { return a.cycle != b.cycle ? a.cycle < b.cycle : a.element < b.element; });
-  std::string lines;
-  for (const Row& row : rows) lines.append(all_text.data() + row.start, static_cast<std::size_t>(row.length));
-  file_.append(lines);
 }
 
 }  // namespace kerf

@@ -1,6 +1,6 @@
-// The two tables that grow with a run: history.csv (one row per sample) and erosion.csv (one row per element).
+// Tables that grow with a run: history.csv (one row per sample), and what other such tables need.
 //
-// Both are plain CSV with the unit in the column's title, written by rank 0 row by row, each by one system call, and
+// They are plain CSV with the unit in the column's title, written by rank 0 row by row, each by one system call, and
 // both can be cut back to an earlier time when a run resumes. Numbers are written with the fewest digits that read back
 // to the same bits.
 #pragma once
@@ -45,6 +45,9 @@ class CsvFile {
   double last_time_ = -1.0;
 };
 
+/// A text as a CSV field; quoted only where it has to be.
+std::string csv_field(const std::string& text);
+
 struct HistoryColumn {
   std::string name;
   std::string unit;  // "-" where there is none
@@ -71,37 +74,6 @@ class HistoryWriter {
   HistoryWriter(CsvFile file, std::size_t n_columns) : file_(std::move(file)), n_columns_(n_columns) {}
   CsvFile file_;
   std::size_t n_columns_;
-};
-
-/// One element at the moment of its death.
-struct ErosionRecord {
-  double time = 0.0;  // [s]
-  std::int64_t cycle = 0;
-  std::int64_t element = 0;  // global id
-  std::string part, criterion;
-  double value = 0.0;  // of the criterion
-  double mass = 0.0;  // [kg]
-  double energy = 0.0;  // [J] internal energy that left with it
-};
-
-/// erosion.csv.
-class ErosionLog {
- public:
-  /// Collective.
-  ErosionLog(MPI_Comm comm, const std::string& path);
-  /// Goes on with the file of an earlier run, keeping the rows up to and including `time`. Collective.
-  static ErosionLog resume(MPI_Comm comm, const std::string& path, double time);
-  /// Adds the elements that died on all ranks, sorted by (cycle, element), so that the file does not depend on
-  /// the decomposition. Collective.
-  void append(MPI_Comm comm, const std::vector<ErosionRecord>& local);
-  /// Waits until the rows are on the disk. Collective.
-  void sync() { file_.sync(); }
-  /// As sync(), and closes the file. Collective.
-  void close() { file_.close(); }
-
- private:
-  explicit ErosionLog(CsvFile file) : file_(std::move(file)) {}
-  CsvFile file_;
 };
 
 }  // namespace kerf

@@ -34,8 +34,8 @@ class ClosingPairs {
       const Lanes sight = FacetSlabs::sight * seen.deepest, height = seen.height;
       const Lanes way =
           min_of(first_depth * seen.deepest + max_of(height, Lanes{}), max_of(sight + height, 0.1 * seen.deepest));
-      // A pair that would not shorten the step needs no closest point. What is nearly equal is left to limit_step, whose
-      // minimum does not depend on the order of slaves.
+      // A pair that would not shorten the step needs no closest point. What is nearly equal is left to limit_step,
+      // whose minimum does not depend on the order of slaves.
       unsigned close = mask_of((closing * view_.dt > slow * seen.deepest) & (height >= -sight) &
                                (way * (1.0 - 1e-12) < touches.longest_step() * closing));
       close &= seen.within_reach(seen.least_square()) & in_use;
@@ -70,8 +70,9 @@ class ClosingPairs {
   bool fast_;
 };
 
-/// Whether the mesh of slave i is finer than that of a facet of the given area, by the mean area of the facets round it;
-/// among nearly equal ones, the part with the lower number counts as finer. A free node has no mesh, and counts as finer.
+/// Whether the mesh of slave i is finer than that of a facet of the given area, by the mean area of the facets round
+/// it; among nearly equal ones, the part with the lower number counts as finer. A free node has no mesh, and counts as
+/// finer.
 inline bool is_finer(const ContactView& view, int i, int facet, double facet_area) {
   constexpr double nearly_equal = 1.3;  // ratio of areas
   double area = 0.0;

@@ -112,7 +112,8 @@ struct SlideSurface final : Contact {
   static void describe(Schema<SlideSurface>& s) {
     s.texts(&SlideSurface::slave, "slave", "parts or sets whose exterior nodes are slaves");
     s.texts(&SlideSurface::master, "master", "parts or sets whose exterior facets are masters");
-    s.real(&SlideSurface::penalty, "penalty", "-", positive, "factor f of the stiffness f K A^2 / V with which a depth is taken back")
+    s.real(&SlideSurface::penalty, "penalty", "-", positive,
+           "factor f of the stiffness f K A^2 / V with which a depth is taken back")
         .by_default("0.1");
     s.real(&SlideSurface::damping, "damping", "-", between(0.0, 1.0),
            "one minus the greatest speed at which a depth is taken back, over the speed at which the pair closed")
@@ -194,8 +195,7 @@ struct SlideSurface final : Contact {
   /// The touch of a node that will be below a segment: at the point where it passes through the surface, or that it is
   /// below already at the start of the step. The point below its end may be far from there, and jumps from one segment
   /// to the next, so that bodies without strength would buckle.
-  ContactTouch touch_of(const ContactView& view, int node, const FacetSlabs& slabs, Room& room,
-                        const Held& end) const {
+  ContactTouch touch_of(const ContactView& view, int node, const FacetSlabs& slabs, Room& room, const Held& end) const {
     ContactTouch touch = end.touch(node);
     if (!(closing_speed(view, touch) > 0.0)) return touch;
     const Vec3 entry = point_of_entry(view, touch);
@@ -281,8 +281,8 @@ struct SlideSurface final : Contact {
     }
   }
 
-  /// The segment that holds the node: one that is not too deep below before one that is, then the one that holds it best
-  /// within its edges, then the one nearest to its surface, then the one of the lower id, which comes first.
+  /// The segment that holds the node: one that is not too deep below before one that is, then the one that holds it
+  /// best within its edges, then the one nearest to its surface, then the one of the lower id, which comes first.
   Held best_of(const ContactView& view, const std::vector<std::int32_t>& segments, Vec3 s,
                const FacetSlabs& slabs) const {
     Held best;
@@ -317,4 +317,5 @@ struct SlideSurface final : Contact {
 
 }  // namespace
 
-KERF_CONTACT(SlideSurface, "slide_surface", "classical master/slave slide surface; depths are taken back with stiffness f K A^2 / V")
+KERF_CONTACT(SlideSurface, "slide_surface",
+             "classical master/slave slide surface; depths are taken back with stiffness f K A^2 / V")

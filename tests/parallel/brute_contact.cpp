@@ -5,8 +5,8 @@
 #include <cmath>
 #include <functional>
 
-#include "dynamics/contact_impacts.hpp"
-#include "mesh/surface.hpp"
+#include "contact/impacts.hpp"
+#include "model/surface.hpp"
 
 namespace kerf::test {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "dynamics/step.hpp"
 #include "kerf/contact.hpp"
+#include "model/aligned.hpp"
+#include "model/step.hpp"
 #include "parallel/global_model.hpp"
-#include "state/aligned.hpp"
 
 namespace kerf::test {
 

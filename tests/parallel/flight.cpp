@@ -8,9 +8,9 @@
 #include <random>
 
 #include "dynamics/simulation.hpp"
-#include "dynamics/state_hash.hpp"
 #include "parallel/brute_contact.hpp"
 #include "parallel/scene.hpp"
+#include "report/state_hash.hpp"
 
 namespace kerf::test {
 

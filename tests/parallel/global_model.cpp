@@ -7,7 +7,7 @@
 #include <cstring>
 #include <map>
 
-#include "mesh/surface.hpp"
+#include "model/surface.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf::test {

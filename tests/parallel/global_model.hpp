@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "state/model.hpp"
+#include "model/model.hpp"
 
 namespace kerf::test {
 

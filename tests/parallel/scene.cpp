@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "core/assert.hpp"
-#include "dynamics/setup.hpp"
 #include "input/read_model.hpp"
 #include "kerf/measure.hpp"
+#include "model/setup.hpp"
 
 namespace kerf::test {
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "dynamics/erosion.hpp"
-#include "dynamics/ledger.hpp"
+#include "erosion/erosion.hpp"
 #include "input/model_input.hpp"
+#include "model/ledger.hpp"
+#include "model/model.hpp"
 #include "plugin/registry.hpp"
-#include "state/model.hpp"
 
 namespace kerf::test {
 

@@ -10,9 +10,9 @@
 #include <set>
 #include <utility>
 
-#include "dynamics/candidate_search.hpp"
+#include "contact/candidate_search.hpp"
 #include "kerf/math.hpp"
-#include "mesh/surface.hpp"
+#include "model/surface.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "dynamics/setup.hpp"
+#include "model/reference_position.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/lookout.hpp"
 #include "parallel/scene.hpp"

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "dynamics/initial_overlap.hpp"
-#include "dynamics/setup.hpp"
+#include "model/setup.hpp"
 #include "parallel/scene.hpp"
+#include "review/initial_overlap.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // What the balance says about laws that give more to the nodes than they have taken.
 #include <gtest/gtest.h>
 
-#include "dynamics/ledger.hpp"
+#include "model/ledger.hpp"
 
 namespace {
 

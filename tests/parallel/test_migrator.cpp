@@ -3,12 +3,12 @@
 
 #include <cstring>
 
-#include "dynamics/element_loop.hpp"
-#include "dynamics/state_hash.hpp"
+#include "model/copies.hpp"
+#include "model/migrator.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/global_model.hpp"
-#include "parallel/migrator.hpp"
 #include "parallel/scene.hpp"
+#include "report/state_hash.hpp"
 
 namespace {
 

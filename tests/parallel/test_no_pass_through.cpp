@@ -2,8 +2,9 @@
 //
 // Depths are in units of the least of a facet's thickness, longest edge and that of the undeformed one. Contact stops a
 // node at the surface, as far as the rounds of a step come to agree, and eroding_surface lets go of what is deeper than
-// 0.6. Cells at the corners of turned blocks are flattened, so that little counts for much there. Where elements vanish at
-// random, a node is found as deep as it then lies, and is held there: nothing pushes it out that it has not brought in.
+// 0.6. Cells at the corners of turned blocks are flattened, so that little counts for much there. Where elements vanish
+// at random, a node is found as deep as it then lies, and is held there: nothing pushes it out that it has not brought
+// in.
 #include <gtest/gtest.h>
 
 #include <ostream>

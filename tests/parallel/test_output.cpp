@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "erosion/record.hpp"
 #include "output/collective.hpp"
 #include "output/hdf5_file.hpp"
 #include "output/history.hpp"
@@ -20,6 +21,7 @@
 #include "output/results.hpp"
 #include "output/slab.hpp"
 #include "output/summary.hpp"
+#include "report/erosion_log.hpp"
 #include "support/hdf5_reader.hpp"
 
 namespace kerf {

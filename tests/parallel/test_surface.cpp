@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <map>
 
-#include "mesh/surface.hpp"
+#include "model/migrator.hpp"
+#include "model/surface.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/global_model.hpp"
-#include "parallel/migrator.hpp"
 #include "parallel/scene.hpp"
 
 namespace {

@@ -3,14 +3,13 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-MIDDLE = {"core", "input", "plugin", "mesh", "state", "parallel", "output"}
-MAY_INCLUDE = {
-    "core": {"core"},
-    "api": set(),
-    **{room: MIDDLE for room in MIDDLE - {"core"}},
-    "dynamics": MIDDLE | {"dynamics"},
-    "app": MIDDLE | {"dynamics", "app"},
-}
+# A room includes itself and the rooms of lower floors; those of its own floor only where named here.
+FLOORS = [["core"], ["parallel", "output", "plugin"], ["input"], ["mesh"], ["model"], ["erosion"], ["contact"], ["review"], ["dynamics"],
+          ["report"], ["app"]]
+MAY_INCLUDE = {"api": set()}
+for floor, rooms in enumerate(FLOORS):
+    for room in rooms:
+        MAY_INCLUDE[room] = {room} | {below for lower in FLOORS[:floor] for below in lower}
 INCLUDE = re.compile(r'^\s*#include\s+["<]([^">]+)[">]', re.M)
 ROOMS = set(MAY_INCLUDE) - {"api"}
 

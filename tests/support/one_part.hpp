@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kerf/element.hpp"
-#include "state/part_store.hpp"
+#include "model/part_store.hpp"
 #include "support/make_law.hpp"
 
 namespace kerf::test {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "dynamics/box_tree.hpp"
+#include "contact/box_tree.hpp"
 
 namespace {
 

@@ -104,7 +104,9 @@ inline LanesInt round_to_int(Lanes a) {
 }
 /// The same where |a| < small_limit.
 inline LanesInt round_small_to_int(Lanes a) { return round_to_int(a); }
-inline unsigned mask_of_ints(LanesInt comparison) { return _mm512_movepi64_mask(reinterpret_cast<__m512i>(comparison)); }
+inline unsigned mask_of_ints(LanesInt comparison) {
+  return _mm512_movepi64_mask(reinterpret_cast<__m512i>(comparison));
+}
 
 #else
 

@@ -9,7 +9,7 @@ namespace kerf::hex8 {
 /// What the user chooses; see hex8.cpp.
 struct Control {
   bool free_element = false, stiffness = false;  // stable step of a free element; hourglass control by stiffness
-  bool limited_viscosity = false;                // linear viscosity at shocks only
+  bool limited_viscosity = false;  // linear viscosity at shocks only
   double hourglass_coefficient = 0.0, linear_viscosity = 0.0, quadratic_viscosity = 0.0;
 };
 

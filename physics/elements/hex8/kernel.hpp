@@ -672,8 +672,9 @@ class Kernel {
   /// Stiffness control (Flanagan & Belytschko 1981, eqs. 63-67): resistance grows with k g dt and turns with the
   /// element; k = kappa/24 (K + 4G/3) B:B/V, so that kappa = 1 would give the hourglass modes of a cube the
   /// highest frequency of the element. A fluid has no shape to hold: it gets the viscous form. Where a solid flows, a
-  /// resistance grows as little as the deviator does. The shape vectors of the step's end see the rate in the directions of its
-  /// start: they take the rotation for a part of the linear motion. So the rate turns together with the old resistance.
+  /// resistance grows as little as the deviator does. The shape vectors of the step's end see the rate in the
+  /// directions of its start: they take the rotation for a part of the linear motion. So the rate turns together with
+  /// the old resistance.
   [[gnu::always_inline]] void resist_displacement(const Work& w, int block, int lane, const Piece& p,
                                                   const Strain& step, const V (&shape)[3][4], const V (&rate)[3][4],
                                                   V alive, V (&resist)[3][4], Totals& totals) const {

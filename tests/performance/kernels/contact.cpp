@@ -10,9 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "dynamics/candidate_search.hpp"
-#include "dynamics/erosion.hpp"
-#include "dynamics/contact_impacts.hpp"
+#include "contact/candidate_search.hpp"
+#include "contact/impacts.hpp"
+#include "erosion/erosion.hpp"
+#include "erosion/record.hpp"
 #include "kerf/contact.hpp"
 #include "parallel/scene.hpp"
 

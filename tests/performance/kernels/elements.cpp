@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "dynamics/element_loop.hpp"
-#include "dynamics/erosion.hpp"
 #include "dynamics/integrator.hpp"
-#include "dynamics/ledger.hpp"
+#include "erosion/erosion.hpp"
+#include "model/ledger.hpp"
 #include "parallel/scene.hpp"
 
 namespace {
@@ -142,8 +142,9 @@ void internal_forces(benchmark::State& state, const std::string& hourglass, cons
 /// Items are nodes; without boundary conditions and contact.
 void kick_and_drift(benchmark::State& state) {
   SwayingBlock block("viscous", elastic_plastic, static_cast<int>(state.range(0)));
-  Integrator integrator;
-  integrator.resolve(block.model());
+  Constraints constraints;
+  constraints.resolve(block.model());
+  Integrator integrator(constraints);
   for (auto _ : state) block.kick_and_drift(integrator);
   // Position, velocity and force are read and written, four entries each; the inverse mass is read.
   const std::int64_t n = block.model().nodes.n();

@@ -1,0 +1,681 @@
+// Search, distribution and force exchange of one contact definition.
+#include "contact/engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "core/assert.hpp"
+#include "model/copies.hpp"
+#include "model/reference_position.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
+constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
+constexpr std::int64_t renewals = 5;  // intervals from one search of everything to the next
+constexpr double spare_share = 0.05;  // of the edge of a rank's box of space, that slaves may leave it by till then
+
+}  // namespace
+
+ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space)
+    : law_(law),
+      request_(law.request()),
+      slaves_(model, request_.slaves),
+      masters_(model, request_.masters),
+      space_(std::move(space)) {
+  for (const auto& boundary : model.input->boundaries) mirrored_.emplace_back(model, boundary->nodes());
+  measure_sight(model);
+}
+
+double ContactSpeeds::fastest_pair() const {
+  const Vec3 most_apart{most[0] + most[3], most[1] + most[4], most[2] + most[5]};
+  return most[0] > -1e300 ? norm(most_apart) : 0.0;
+}
+
+/// The least sight of any face of any undeformed element. Collective.
+void ContactEngine::measure_sight(const Model& model) {
+  double least = beyond;
+  for (const PartModel& part : model.parts)
+    for (int s = 0; s < part.store->n_slots(); ++s) {
+      if (!part.store->live(s)) continue;
+      Vec3 x[8];
+      for (int k = 0; k < 8; ++k) x[k] = model.nodes.x(part.store->node(s, k));
+      for (const auto& face : hex_face) {
+        FacetBounds bounds;
+        for (int k = 0; k < 4; ++k) bounds.edge = std::max(bounds.edge, norm(x[face[(k + 1) % 4]] - x[face[k]]));
+        bounds.longest_edge = bounds.thickness = bounds.edge;
+        least = std::min(least, law_.sight(bounds));
+      }
+    }
+  least_sight_ = -greatest(model.comm, -least);
+}
+
+/// How fast the nodes that take part move, without the ones that have been dropped.
+void ContactEngine::measure_speeds(const Model& model) {
+  const bool first = prediction_ && !(prediction_->step().last_dt > 0.0);
+  Quad low = Quad{} + 1e300, high = -low;
+  for (const Tracked& t : tracked_) {
+    if (!(model.nodes.mass[t.node] > 0.0)) continue;
+    // Before the first step, pressures have not set anything in motion yet.
+    const Quad v = first ? prediction_->velocity(t.node) : row_of(model.nodes.velocity.data(), t.node);
+    low = v < low ? v : low;
+    high = v > high ? v : high;
+  }
+  speeds_ = {};
+  speeds_.longest_step = touches_.longest_step();
+  for (int d = 0; d < 3; ++d) {
+    speeds_.most[d] = -low[d];
+    speeds_.most[3 + d] = high[d];
+  }
+}
+
+void ContactEngine::renumbered(const Model& model) {
+  invalidate();
+  n_candidates_.clear();
+  on_mirror_.assign(mirrored_.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
+  // By the undeformed position, which does not depend on when the question is asked.
+  for (std::size_t i = 0; i < on_mirror_.size(); ++i) {
+    const Vec3 x = reference_position(model, model.nodes.id[i]);
+    for (std::size_t b = 0; b < mirrored_.size(); ++b)
+      if (model.input->boundaries[b]->mirrors(x)) on_mirror_[i] |= std::uint64_t{1} << b;
+  }
+}
+
+/// Takes out facets on planes of symmetry: the body goes on behind them.
+void ContactEngine::drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const {
+  if (mirrored_.empty()) return;
+  std::erase_if(facets, [&](const ExteriorFacet& f) {
+    std::uint64_t all = ~std::uint64_t{0}, sets[4];
+    for (int k = 0; k < 4; ++k) {
+      all &= on_mirror_[f.nodes[k]];
+      sets[k] = model.nodes.sets[f.nodes[k]];
+    }
+    for (std::size_t b = 0; b < mirrored_.size() && all != 0; ++b)
+      if ((all >> b & 1u) != 0 && mirrored_[b].holds_facet(f.part, sets)) return true;
+    return false;
+  });
+}
+
+/// Local numbers, in ascending order, of all nodes of exterior facets, on whatever rank these are, and of free nodes
+/// that take part. Collective.
+std::vector<std::int32_t> ContactEngine::surface_nodes(const Model& model,
+                                                       const std::vector<ExteriorFacet>& facets) const {
+  const auto n = static_cast<std::size_t>(model.nodes.n());
+  std::vector<char> mark(n, 0);
+  for (const ExteriorFacet& f : facets)
+    for (const std::int32_t node : f.nodes) mark[node] = 1;
+  if (model.ghost_plan) {
+    std::vector<std::int64_t> count(mark.begin(), mark.end());
+    sum_over_copies(model, count.data(), 1);
+    for (std::size_t i = 0; i < n; ++i) mark[i] = count[i] != 0 ? 1 : 0;
+  }
+  std::vector<std::int32_t> nodes;
+  const auto take = [&](std::size_t i) {
+    if (mark[i] != 0 || takes_free(model, static_cast<int>(i))) nodes.push_back(static_cast<std::int32_t>(i));
+  };
+  // Most nodes are neither, which eight of them tell at once.
+  constexpr std::size_t some = sizeof(std::uint64_t);
+  std::size_t i = 0;
+  for (; i + some <= n; i += some) {
+    std::uint64_t marks, frees;
+    std::memcpy(&marks, &mark[i], some);
+    std::memcpy(&frees, &model.nodes.free[i], some);
+    if ((marks | frees) == 0) continue;
+    for (std::size_t k = i; k < i + some; ++k) take(k);
+  }
+  for (; i < n; ++i) take(i);
+  return nodes;
+}
+
+/// The record of a tracked node, if this rank owns it and it is a slave.
+void ContactEngine::add_slave(const Model& model, std::size_t tracked, std::vector<ContactNodeRecord>& records) const {
+  const NodeStore& nodes = model.nodes;
+  const Tracked& t = tracked_[tracked];
+  if (!nodes.owned[t.node]) return;
+  ContactNodeRecord r;
+  r.role = (slaves_.holds(nodes, t.node) ? 1u : 0u) | (request_.symmetric && masters_.holds(nodes, t.node) ? 2u : 0u);
+  if (r.role == 0) return;
+  r.id = nodes.id[t.node];
+  r.box = t.box;
+  r.own_box = own_boxes_[tracked];
+  r.home = home_[tracked];
+  r.local = t.node;
+  r.part = t.part;
+  r.owner = model.rank();
+  records.push_back(r);
+}
+
+/// Fills the record of a facet whose corners are tracked. False where it has no role in this contact.
+bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& r) const {
+  const NodeStore& nodes = model.nodes;
+  const PartModel& part = model.parts[f.part];
+  std::uint64_t sets[4];
+  for (int k = 0; k < 8; ++k) {
+    r.locals[k] = k < 4 ? f.nodes[k] : part.store->node(f.slot, hex_face[opposite_face[f.face]][k - 4]);
+    r.nodes[k] = nodes.id[r.locals[k]];
+    r.owners[k] = model.node_owner[r.locals[k]];
+    if (k < 4) sets[k] = nodes.sets[r.locals[k]];
+  }
+  const bool master = masters_.holds_facet(f.part, sets), slave = slaves_.holds_facet(f.part, sets);
+  r.role = (master ? 1u : 0u) | (slave && request_.symmetric ? 2u : 0u);
+  if (r.role == 0 && slave) r.role = ContactFacetRecord::meets_none;
+  if (r.role == 0) return false;
+  r.id = part.store->id(f.slot) * 8 + f.face;
+  r.part = f.part;
+  r.bulk_modulus = part.bulk_modulus;
+  r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
+  Vec3 x[4], undeformed[4];
+  for (int k = 0; k < 4; ++k) {
+    KERF_ASSERT(track_of_[r.locals[k]] >= 0, "the corners of a facet that takes part are tracked");
+    const std::int32_t tracked = track_of_[r.locals[k]];
+    x[k] = predicted_x(model, r.locals[k]);
+    undeformed[k] = undeformed_[tracked];
+    r.box.include(tracked_[tracked].box);
+    r.own_box.include(own_boxes_[tracked]);
+  }
+  const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
+  // Facets may shrink, which makes elements thicker.
+  FacetBounds bounds;
+  for (int k = 0; k < 4; ++k) r.edge = std::max(r.edge, norm(undeformed[(k + 1) % 4] - undeformed[k]));
+  bounds.edge = r.edge;
+  bounds.longest_edge = longest_edge(r.locals);
+  bounds.thickness = std::max(bounds.longest_edge, r.volume / std::max(area, 1e-300));
+  const double reach = law_.reach(bounds);
+  r.box.inflate(reach);
+  r.own_box.inflate(reach);
+  return true;
+}
+
+std::vector<ContactFacetRecord> ContactEngine::collect_facets(const Model& model,
+                                                              const std::vector<ExteriorFacet>& facets) const {
+  std::vector<ContactFacetRecord> records;
+  records.reserve(facets.size());
+  for (const ExteriorFacet& f : facets) {
+    records.emplace_back();
+    if (!collect_facet(model, f, records.back())) records.pop_back();
+  }
+  return records;
+}
+
+/// Sends every slave to the rank whose box holds it and every facet to all ranks that it may reach.
+void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord>& slaves,
+                               std::vector<ContactFacetRecord>& facets) {
+  // A slave costs some work at a search, and some for each of its candidates until the next.
+  std::vector<double> weights;
+  weights.reserve(slaves.size());
+  for (const ContactNodeRecord& s : slaves)
+    weights.push_back(1.0 +
+                      (n_candidates_.empty() ? 0.0 : candidate_work * static_cast<double>(n_candidates_[s.local])));
+  if (!space_built_ || uneven(model, slaves, weights)) {
+    std::vector<double> coordinates;
+    for (const ContactNodeRecord& s : slaves)
+      for (int d = 0; d < 3; ++d) coordinates.push_back(s.home[d]);
+    space_->build(model.comm, coordinates, weights);
+    space_built_ = true;
+  }
+  // Leaves some for slaves that join before the next search, and for the way that all make until then, as far as that
+  // does not send many facets to ranks that do not need them.
+  const double reach = reach_of(model, slaves);
+  const double way = 2.0 * static_cast<double>(renewals - 1) * reach;
+  slave_reach_ =
+      1.5 * reach + std::min(way, spare_share * extent_of(model, slaves) / kerf::pow(model.n_ranks(), 1.0 / 3.0));
+  send(model, slaves, facets);
+}
+
+/// Whether the present boxes of space share out the work badly. Collective.
+bool ContactEngine::uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                           const std::vector<double>& weights) const {
+  std::vector<double> work(static_cast<std::size_t>(model.n_ranks()), 0.0);
+  for (std::size_t k = 0; k < slaves.size(); ++k) work[space_->owner(slaves[k].home)] += weights[k];
+  // From rank 0, because all must decide alike.
+  std::vector<double> sums(work.size());
+  MPI_Reduce(work.data(), sums.data(), model.n_ranks(), MPI_DOUBLE, MPI_SUM, 0, model.comm);
+  MPI_Bcast(sums.data(), model.n_ranks(), MPI_DOUBLE, 0, model.comm);
+  const double total = std::accumulate(sums.begin(), sums.end(), 0.0);
+  return *std::max_element(sums.begin(), sums.end()) * model.n_ranks() > worst_share * total;
+}
+
+/// Tells owners how many candidates their slaves have. Collective.
+void ContactEngine::count_candidates(const Model& model) {
+  std::vector<std::int64_t> counts(found_->node_id.size(), 0);
+  for (std::size_t k = 0; k < found_->slave.size(); ++k)
+    counts[found_->slave[k]] = found_->candidates[k].end - found_->candidates[k].begin;
+  n_candidates_.assign(static_cast<std::size_t>(model.nodes.n()), 0);
+  plan_->push_add(counts.data(), 1, n_candidates_.data(), 1, 1);
+}
+
+/// Longest edge of the box round the homes of all slaves. Collective.
+double ContactEngine::extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
+  double longest = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    double low = beyond, high = -beyond;
+    for (const ContactNodeRecord& s : slaves) {
+      low = std::min(low, s.home[d]);
+      high = std::max(high, s.home[d]);
+    }
+    longest = std::max(longest, greatest(model.comm, high) + greatest(model.comm, -low));
+  }
+  return longest;
+}
+
+/// How far slaves reach out of the place that decides about their rank. Collective.
+double ContactEngine::reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
+  double reach = 0.0;
+  for (const ContactNodeRecord& s : slaves)
+    for (const auto& [box, frame] : {std::pair(&s.box, &common_frame_), std::pair(&s.own_box, &part_frames_[s.part])}) {
+      const Vec3 home = s.home - frame->origin;
+      for (int d = 0; d < 3; ++d) reach = std::max({reach, box->high[d] - home[d], home[d] - box->low[d]});
+    }
+  return greatest(model.comm, std::min(reach, beyond));
+}
+
+/// Replaces the records that this rank made by those that concern its box of space.
+void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& slaves,
+                         std::vector<ContactFacetRecord>& facets) {
+  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
+  std::vector<std::vector<ContactNodeRecord>> nodes_out(n_ranks);
+  for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(s.home)].push_back(s);
+  std::vector<std::vector<ContactFacetRecord>> facets_out(n_ranks);
+  std::vector<int> ranks;
+  for (const ContactFacetRecord& f : facets) {
+    Vec3 low, high;
+    for (int d = 0; d < 3; ++d) {
+      const double common = common_frame_.origin[d], own = part_frames_[f.part].origin[d];
+      low[d] = std::min(common + f.box.low[d], own + f.own_box.low[d]) - slave_reach_;
+      high[d] = std::max(common + f.box.high[d], own + f.own_box.high[d]) + slave_reach_;
+    }
+    space_->owners(low, high, ranks);
+    for (const int r : ranks) facets_out[r].push_back(f);
+  }
+  slaves.clear();
+  facets.clear();
+  for (const auto& list : all_to_all(model.comm, nodes_out)) slaves.insert(slaves.end(), list.begin(), list.end());
+  for (const auto& list : all_to_all(model.comm, facets_out)) facets.insert(facets.end(), list.begin(), list.end());
+}
+
+/// Asks for the candidates, and makes room for their nodes and, if there are new ones anywhere, a way to their owners.
+/// Collective.
+void ContactEngine::connect(const Model& model, bool fresh) {
+  found_ = &search_->candidates();
+  const std::size_t n = found_->node_id.size();
+  if (!fresh && greatest(model.comm, std::int64_t{n != mass_.size() ? 1 : 0}) == 0) return;
+  position_.assign(4 * n, 0.0);
+  velocity_.assign(4 * n, 0.0);
+  mass_.assign(n, 0.0);
+  force_.assign(4 * n, 0);
+  friction_.assign(4 * n, 0);
+  share_.assign(MassSplit::width * n, 0);
+  load_ = {};
+  plan_.reset();
+  if (model.n_ranks() == 1) {
+    for (std::size_t i = 0; i < n; ++i) mass_[i] = model.nodes.mass[found_->node_local[i]];
+    load_.nodes = found_->node_local;
+  } else {
+    std::vector<Needed> needed(n);
+    for (std::size_t i = 0; i < n; ++i) needed[i] = {found_->node_id[i], found_->node_owner[i]};
+    plan_ = std::make_unique<ExchangePlan>(model.comm, needed, [&](std::int64_t id) { return model.local_node(id); });
+    plan_->pull(model.nodes.mass.data(), 1, mass_.data(), 1, 1);
+    load_.nodes = plan_->sources();
+    const auto n_local = static_cast<std::size_t>(model.nodes.n());
+    owned_force_.assign(4 * n_local, 0);
+    owned_share_.assign(MassSplit::width * n_local, 0);
+    owned_position_.assign(4 * n_local, 0.0);
+    owned_velocity_.assign(4 * n_local, 0.0);
+  }
+  load_.force.assign(4 * load_.nodes.size(), 0);
+  load_.friction.assign(4 * load_.nodes.size(), 0);
+}
+
+void ContactEngine::search(Model& model, const Step& step) {
+  std::vector<ExteriorFacet> exterior = model.surface.exterior(model);
+  drop_mirrored(model, exterior);
+  const std::vector<std::int32_t> surface = surface_nodes(model, exterior);
+  choose_frames(model, surface);
+  slack_ = 0.002 * model.dummy_edge;  // about 3 % of the longest edge
+  ++counts_.searches;
+  last_search_ = last_renewal_ = step.cycle;
+  valid_ = true;
+
+  search_time_ = step.end() + dt_ahead();
+  horizon_ = search_time_ + static_cast<double>(law_.search_interval + 1) * step.dt;
+  track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
+  tracked_.clear();
+  own_boxes_.clear();
+  home_.clear();
+  undeformed_.clear();
+  std::vector<ContactNodeRecord> slaves;
+  slaves.reserve(surface.size());
+  for (const std::int32_t i : surface)
+    if (track(model, i, search_time_)) add_slave(model, tracked_.size() - 1, slaves);
+  std::vector<ContactFacetRecord> facets = collect_facets(model, exterior);
+  if (model.n_ranks() > 1) distribute(model, slaves, facets);
+  search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,
+                                              model.n_ranks() == 1 ? track_of_.size() : 0);
+  connect(model, true);
+  if (plan_) count_candidates(model);
+}
+
+/// Foresees anew where nodes that have left their boxes, or will, may be, and looks for what they and the facets round
+/// them may touch. False if that takes a search. Collective.
+bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_leave) {
+  std::vector<ContactNodeRecord> slaves;
+  std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
+  for (const auto& [k, boxes] : strays_) {
+    foresee(model, static_cast<std::size_t>(k), step.end() + dt_ahead(), boxes);
+    stray[tracked_[k].node] = 1;
+    add_slave(model, static_cast<std::size_t>(k), slaves);
+  }
+  std::vector<ExteriorFacet> round = model.surface.exterior_round(model, stray);
+  drop_mirrored(model, round);
+  std::vector<ContactFacetRecord> facets = collect_facets(model, round);
+  if (model.n_ranks() > 1) {
+    if (reach_of(model, slaves) > slave_reach_) return false;
+    send(model, slaves, facets);
+  }
+  if (all_that_will_leave)
+    search_->renew(facets, slaves);
+  else
+    search_->refresh(facets, slaves);
+  connect(model, false);
+  return true;
+}
+
+/// Sees to it that whatever may touch in this cycle is among the candidates, as long as that costs less than a search.
+/// False if it takes one. Collective.
+bool ContactEngine::keep_complete(Model& model, const Step& step) {
+  enum : std::int64_t { nothing, strays, renewal, everything };
+  const bool due = step.cycle - last_renewal_ >= law_.search_interval;
+  std::int64_t mine = nothing;
+  if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) {
+    mine = everything;
+  } else if (due || search_->stale()) {
+    mine = renewal;
+  } else {
+    find_strays(model, step);
+    if (!strays_.empty()) mine = strays;
+    if (strays_.size() > std::max(tracked_.size() / 100, std::size_t{64})) mine = renewal;
+  }
+  const std::int64_t need = greatest(model.comm, mine);
+  if (need == nothing) return true;
+  if (need == everything) return false;
+  if (need == strays) {
+    ++counts_.refreshes;
+    return refresh(model, step, false);
+  }
+  last_renewal_ = step.cycle;
+  horizon_ = step.end() + dt_ahead() + static_cast<double>(law_.search_interval + 1) * step.dt;
+  find_outgrown(model, step);
+  const bool enough = refresh(model, step, true);
+  if (enough) ++counts_.renewals;
+  return enough;
+}
+
+/// Whether nodes without live elements take part at all.
+bool ContactEngine::keeps_free(const Model& model) const {
+  return request_.free_nodes && model.input->checks.free_nodes != "drop";
+}
+
+bool ContactEngine::takes_free(const Model& model, int node) const {
+  return keeps_free(model) && model.nodes.free[node] != 0 && model.nodes.mass[node] > 0.0;
+}
+
+void ContactEngine::surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
+                                    std::vector<ExteriorFacet> opened) {
+  if (!valid_) return;
+  drop_mirrored(model, opened);
+  std::vector<ContactNodeRecord> slaves;  // nodes that leave or join
+  untrack_free(model, slaves);
+  for (const std::int32_t i : surface_nodes(model, opened))
+    if (track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.size() - 1, slaves);
+  std::vector<ContactFacetRecord> facets = collect_facets(model, opened);
+  std::vector<std::int64_t> dead = dead_elements;
+  if (model.n_ranks() > 1) {
+    // Facets of the search went as far as the slaves of the search could reach: one that reaches farther needs another.
+    if (reach_of(model, slaves) > slave_reach_) {
+      valid_ = false;
+      return;
+    }
+    send(model, slaves, facets);
+    std::vector<std::vector<std::int64_t>> to_all(static_cast<std::size_t>(model.n_ranks()), dead_elements);
+    dead.clear();
+    for (const auto& list : all_to_all(model.comm, to_all)) dead.insert(dead.end(), list.begin(), list.end());
+  }
+  search_->change(dead, facets, slaves);
+  connect(model, false);
+}
+
+std::size_t ContactEngine::n_candidates() const {
+  std::size_t n = 0;
+  for (const ContactRow& row : found_->candidates) n += static_cast<std::size_t>(row.end - row.begin);
+  return n;
+}
+
+/// Stops tracking nodes that have become free and do not take part any more. Their slaves are added without a role.
+void ContactEngine::untrack_free(const Model& model, std::vector<ContactNodeRecord>& leaving) {
+  if (keeps_free(model)) return;
+  for (std::size_t k = tracked_.size(); k-- > 0;) {
+    const std::int32_t node = tracked_[k].node;
+    if (!model.nodes.free[node]) continue;
+    const std::size_t n_before = leaving.size();
+    add_slave(model, k, leaving);
+    if (leaving.size() > n_before) leaving.back().role = 0;
+    track_of_[tracked_.back().node] = static_cast<std::int32_t>(k);
+    track_of_[node] = -1;
+    tracked_[k] = tracked_.back();
+    own_boxes_[k] = own_boxes_.back();
+    home_[k] = home_.back();
+    undeformed_[k] = undeformed_.back();
+    tracked_.pop_back();
+    own_boxes_.pop_back();
+    home_.pop_back();
+    undeformed_.pop_back();
+  }
+}
+
+Vec3 ContactEngine::predicted_v(const Model& model, int node) const {
+  return prediction_ ? vector_of(prediction_->velocity(node)) : model.nodes.v(node);
+}
+
+Vec3 ContactEngine::predicted_x(const Model& model, int node) const {
+  return prediction_ ? vector_of(prediction_->position(node)) : model.nodes.x(node);
+}
+
+double ContactEngine::dt_ahead() const { return prediction_ ? prediction_->step().dt : 0.0; }
+
+void ContactEngine::pull(const Model& model) {
+  const auto predict = [&](std::int32_t node, double* position, double* velocity) {
+    Prediction::Flight f{row_of(model.nodes.velocity.data(), node), row_of(model.nodes.position.data(), node)};
+    if (prediction_) f = prediction_->flight(node);
+    f.position[3] = f.held_axes;
+    set_row(position, 0, f.position);
+    set_row(velocity, 0, f.velocity);
+  };
+  if (!plan_) {
+    for (std::size_t i = 0; i < found_->node_local.size(); ++i)
+      predict(found_->node_local[i], &position_[4 * i], &velocity_[4 * i]);
+    return;
+  }
+  for (const std::int32_t n : load_.nodes)
+    predict(n, &owned_position_[4 * static_cast<std::size_t>(n)], &owned_velocity_[4 * static_cast<std::size_t>(n)]);
+  plan_->pull(owned_position_.data(), 4, position_.data(), 4, 4);
+  plan_->pull(owned_velocity_.data(), 4, velocity_.data(), 4, 3);
+}
+
+/// Sums what the touches of all ranks ask of the masses of nodes. Collective.
+void ContactEngine::split_masses(const ContactView& view, double quantum) {
+  std::fill(share_.begin(), share_.end(), 0);
+  add_shares(view, touches_, {share_.data(), quantum});
+  if (!plan_) return;
+  constexpr int width = MassSplit::width;
+  for (const std::int32_t n : load_.nodes) std::fill_n(&owned_share_[width * static_cast<std::size_t>(n)], width, 0);
+  plan_->push_add(share_.data(), width, owned_share_.data(), width, width);
+  plan_->pull(owned_share_.data(), width, share_.data(), width, width);
+}
+
+/// The sums of all ranks for the nodes that this one owns: by local node, or by node of the view on one rank.
+const std::int64_t* ContactEngine::totals_of(const std::vector<std::int64_t>& sums) {
+  if (!plan_) return sums.data();
+  for (const std::int32_t n : load_.nodes) std::fill_n(&owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
+  plan_->push_add(sums.data(), 4, owned_force_.data(), 4, 3);
+  return owned_force_.data();
+}
+
+/// Sets pushed_velocity_ to what the forces so far lead to. Collective.
+void ContactEngine::push_velocities(const Model& model) {
+  const std::int64_t* totals = totals_of(force_);
+  if (plan_) {
+    total_force_.resize(force_.size());
+    plan_->pull(owned_force_.data(), 4, total_force_.data(), 4, 3);
+    totals = total_force_.data();
+  }
+  const double factor = model.quanta.force.quantum * prediction_->step().kick_dt();
+  for (std::size_t i = 0; i < mass_.size(); ++i) {
+    const std::int64_t* f = &totals[4 * i];
+    if ((f[0] | f[1] | f[2]) == 0) {
+      std::copy_n(&velocity_[4 * i], 3, &pushed_velocity_[4 * i]);  // what an earlier round pushed may be released
+      continue;
+    }
+    const auto held = static_cast<unsigned>(position_[4 * i + 3]);
+    const double a = factor / mass_[i];
+    for (int d = 0; d < 3; ++d)
+      if ((held >> d & 1u) == 0) pushed_velocity_[4 * i + d] = velocity_[4 * i + d] + static_cast<double>(f[d]) * a;
+  }
+}
+
+void ContactEngine::push(Model& model) {
+  const std::int64_t* totals = totals_of(force_);
+  for (std::size_t k = 0; k < load_.nodes.size(); ++k) {
+    const auto n = static_cast<std::size_t>(load_.nodes[k]);
+    const std::size_t from = plan_ ? 4 * n : 4 * k;
+    for (int d = 0; d < 3; ++d) {
+      load_.force[4 * k + d] = totals[from + d];
+      model.nodes.force[4 * n + d] += totals[from + d];
+    }
+  }
+  if (!(law_.response().friction > 0.0)) return;
+  totals = totals_of(friction_);
+  for (std::size_t k = 0; k < load_.nodes.size(); ++k)
+    std::copy_n(&totals[plan_ ? 4 * static_cast<std::size_t>(load_.nodes[k]) : 4 * k], 3, &load_.friction[4 * k]);
+}
+
+ContactView ContactEngine::view() const {
+  ContactView v;
+  v.dt = dt_ahead();
+  v.kick_dt = prediction_ ? prediction_->step().kick_dt() : 0.0;
+  v.n_nodes = static_cast<int>(found_->node_id.size());
+  v.node_id = found_->node_id.data();
+  v.position = position_.data();
+  v.velocity = velocity_.data();
+  v.mass = mass_.data();
+  v.node_part = found_->node_part.data();
+  v.n_facets = static_cast<int>(found_->facet_id.size());
+  v.facet_id = found_->facet_id.data();
+  v.facet_nodes = found_->facet_nodes.data();
+  v.facet_part = found_->facet_part.data();
+  v.facet_bulk_modulus = found_->facet_bulk_modulus.data();
+  v.facet_volume = found_->facet_volume.data();
+  v.facet_edge = found_->facet_edge.data();
+  v.n_slaves = static_cast<int>(found_->slave.size());
+  v.slave = found_->slave.data();
+  v.candidate_rows = found_->candidates.data();
+  v.candidate = found_->candidate.data();
+  v.around_rows = found_->around_rows.data();
+  v.around = found_->around.data();
+  return v;
+}
+
+/// Velocities and sums of all ranks for the rounds of impacts.
+class ContactEngine::Exchange final : public ImpactExchange {
+ public:
+  Exchange(ContactEngine& engine, const Model& model) : engine_(engine), model_(model) {}
+  const double* velocities() override {
+    if (any_forces_) engine_.push_velocities(model_);
+    any_forces_ = true;
+    return engine_.pushed_velocity_.data();
+  }
+  void add_up(std::vector<std::int64_t>& rows) override {
+    if (!engine_.plan_) return;
+    for (const std::int32_t n : engine_.load_.nodes)
+      std::fill_n(&engine_.owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
+    engine_.plan_->push_add(rows.data(), 4, engine_.owned_force_.data(), 4, 4);
+    engine_.plan_->pull(engine_.owned_force_.data(), 4, rows.data(), 4, 4);
+  }
+  double greatest(double value) override { return kerf::greatest(model_.comm, value); }
+
+ private:
+  ContactEngine& engine_;
+  const Model& model_;
+  bool any_forces_ = false;
+};
+
+void ContactEngine::add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers) {
+  prediction_ = &prediction;
+  {
+    const auto scope = timers.measure("contact_search");
+    if (!keep_complete(model, step)) search(model, step);
+  }
+  const auto scope = timers.measure("contact_forces");
+  pull(model);
+  const ContactView seen = view();
+  touches_.clear();
+  law_.find_touches(seen, touches_);
+  measure_speeds(model);
+  split_masses(seen, model.quanta.mass);
+  std::fill(force_.begin(), force_.end(), 0);
+  std::fill(friction_.begin(), friction_.end(), 0);
+  ContactForces forces(force_.data(), friction_.data(), model.quanta.force);
+  Impacts impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass});
+  pushed_velocity_ = velocity_;
+  Exchange exchange(*this, model);
+  impacts.add_to(forces, exchange);
+  if (forces.overflow_node() >= 0)
+    trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
+                           found_->node_id[forces.overflow_node()],
+                           model.parts[found_->node_part[forces.overflow_node()]].input->name, model.rank());
+  push(model);
+  prediction_ = nullptr;
+}
+
+std::vector<std::string> ContactEngine::initial_penetrations(Model& model) {
+  Step none;
+  prediction_ = nullptr;
+  search(model, none);
+  valid_ = false;
+  pull(model);
+  std::vector<int> nodes;
+  std::vector<double> depths;
+  law_.penetrations(view(), nodes, depths);
+  struct Deepest {
+    double depth;
+    std::int64_t id;
+    std::int64_t part;
+  };
+  std::vector<Deepest> local;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    local.push_back({depths[i], found_->node_id[nodes[i]], found_->node_part[nodes[i]]});
+  const std::vector<Deepest> all = gather_to_root(model.comm, local);
+  std::string text;
+  if (!all.empty()) {
+    const auto worst = *std::max_element(all.begin(), all.end(), [](const Deepest& a, const Deepest& b) {
+      return a.depth != b.depth ? a.depth < b.depth : a.id > b.id;
+    });
+    const Vec3 x = reference_position(model, worst.id);
+    text = fmt::format(
+        "{}: error: {} node{} lie{} inside another body at the start, the deepest by {:.4g} m: node {} of "
+        "part {} at ({:.5g}, {:.5g}, {:.5g}) m; move the parts apart",
+        law_.origin, all.size(), all.size() == 1 ? "" : "s", all.size() == 1 ? "s" : "", worst.depth, worst.id,
+        model.parts[worst.part].input->name, x.x, x.y, x.z);
+  }
+  text = broadcast(model.comm, text);
+  return text.empty() ? std::vector<std::string>{} : std::vector<std::string>{text};
+}
+
+}  // namespace kerf

@@ -1,0 +1,168 @@
+// Runs one contact definition in parallel: who may touch whom, on which rank, and carrying the forces back.
+//
+// Contact has a decomposition of its own (Brown, Attaway, Plimpton & Hendrickson, CMAME 184 (2000) 375-390): space
+// is cut into boxes of equal numbers of slave nodes; each rank gets the slaves in its box and all facets that
+// reach into it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "contact/candidate_search.hpp"
+#include "contact/impacts.hpp"
+#include "contact/load.hpp"
+#include "core/timers.hpp"
+#include "kerf/contact.hpp"
+#include "kerf/partitioner.hpp"
+#include "model/model.hpp"
+#include "model/node_group.hpp"
+#include "model/prediction.hpp"
+#include "model/step.hpp"
+
+namespace kerf {
+
+/// How fast things move in contact, from which the longest step follows in which nothing passes unseen.
+struct ContactSpeeds {
+  double longest_step = 1e300;  // in which no pair closes too far [s]
+  double most[6] = {-1e300, -1e300, -1e300, -1e300, -1e300, -1e300};  // of -v and v of all nodes that take part [m/s]
+
+  void join(const ContactSpeeds& other) {
+    longest_step = other.longest_step < longest_step ? other.longest_step : longest_step;
+    for (int d = 0; d < 6; ++d) most[d] = other.most[d] > most[d] ? other.most[d] : most[d];
+  }
+  /// Bound of the speed of one node relative to another [m/s].
+  double fastest_pair() const;
+};
+
+class ContactEngine {
+ public:
+  /// `space` is needed on more than one rank.
+  ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space);
+
+  /// The next forces need a fresh search whatever has moved.
+  void invalidate() { valid_ = false; }
+  /// The same after nodes got other local numbers. Local.
+  void renumbered(const Model& model);
+  /// After elements were retired and before stores are compacted: takes their facets out and the opened ones in, or
+  /// leaves it to the next search. Collective.
+  void surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
+                       std::vector<ExteriorFacet> opened);
+  /// Adds this definition's forces to the owners of the nodes, searching first if needed. Pre: the nodes' forces are
+  /// the sums of all others, on all copies; `prediction` is what they will do. Collective.
+  void add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers);
+  /// Of this rank, as they are after the last forces. Which ranks know a node does not matter.
+  const ContactSpeeds& speeds() const { return speeds_; }
+  /// What the law has found in the last forces.
+  const ContactTouches& touches() const { return touches_; }
+  /// Part of a node of the last view.
+  std::int32_t part_of(int node) const { return found_->node_part[node]; }
+  double mass_of(int node) const { return mass_[node]; }
+  /// Least distance at which a facet bounds the step of a node that closes in on it [m].
+  double least_sight() const { return least_sight_; }
+  /// Forces of the last call on nodes that this rank owns.
+  const ContactLoad& load() const { return load_; }
+  /// Pairs of nodes and facets that this rank's law has to look at in a step.
+  std::size_t n_candidates() const;
+  /// How often candidates were looked for, the same on all ranks.
+  struct Counts {
+    std::int64_t searches = 0, renewals = 0, refreshes = 0;
+  };
+  const Counts& counts() const { return counts_; }
+  /// Sentence about a force that cannot be, or empty. Local.
+  const std::string& trouble() const { return trouble_; }
+  /// Sentences about bodies that overlap at the start. Collective; the same on all ranks.
+  std::vector<std::string> initial_penetrations(Model& model);
+
+ private:
+  class Exchange;
+  /// Where a node may be before the candidates become incomplete, seen from the common frame.
+  struct Tracked {
+    Box box;
+    std::int32_t node = 0, part = 0;
+  };
+  static constexpr unsigned in_common_frame = 1, in_own_frame = 2;
+  /// One of tracked_ that has left its boxes or is about to.
+  struct Stray {
+    std::int32_t tracked = 0;
+    unsigned boxes = 0;  // that it needs anew
+  };
+  void search(Model& model, const Step& step);
+  bool keep_complete(Model& model, const Step& step);
+  std::vector<char> parts_with_own_frame() const;
+  void find_strays(const Model& model, const Step& step);
+  void find_outgrown(const Model& model, const Step& step);
+  bool refresh(Model& model, const Step& step, bool all_that_will_leave);
+  void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
+  std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
+  void foresee(const Model& model, std::size_t tracked, double time, unsigned boxes = in_common_frame | in_own_frame);
+  bool track(const Model& model, int node, double time);
+  bool keeps_free(const Model& model) const;
+  bool takes_free(const Model& model, int node) const;
+  void untrack_free(const Model& model, std::vector<ContactNodeRecord>& leaving);
+  void choose_frames(const Model& model, const std::vector<std::int32_t>& surface);
+  void add_slave(const Model& model, std::size_t tracked, std::vector<ContactNodeRecord>& records) const;
+  double longest_edge(const std::int32_t* corners) const;
+  bool collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& record) const;
+  std::vector<ContactFacetRecord> collect_facets(const Model& model, const std::vector<ExteriorFacet>& facets) const;
+  void distribute(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
+  bool uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+              const std::vector<double>& weights) const;
+  void count_candidates(const Model& model);
+  double extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
+  double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
+  void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
+  void connect(const Model& model, bool fresh);
+  void measure_speeds(const Model& model);
+  void measure_sight(const Model& model);
+  Vec3 predicted_v(const Model& model, int node) const;
+  Vec3 predicted_x(const Model& model, int node) const;
+  double dt_ahead() const;
+  void pull(const Model& model);
+  void split_masses(const ContactView& view, double quantum);
+  const std::int64_t* totals_of(const std::vector<std::int64_t>& sums);
+  void push_velocities(const Model& model);
+  void push(Model& model);
+  ContactView view() const;
+
+  static constexpr double beyond = 1e15;  // what no length of a sound model reaches [m]
+
+  const Contact& law_;
+  ContactRequest request_;
+  NodeGroup slaves_, masters_;
+  std::vector<NodeGroup> mirrored_;  // nodes of each boundary condition, in the order of the input
+  std::unique_ptr<SpatialDecomposition> space_;
+  std::vector<std::int64_t> n_candidates_;  // per local node that this rank owns, at the last search; or empty
+  bool space_built_ = false, valid_ = false;
+  std::int64_t last_search_ = 0, last_renewal_ = 0;  // cycles
+  ContactFrame common_frame_;  // of the part that has most of the surface
+  std::vector<ContactFrame> part_frames_;
+  double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
+  std::vector<Tracked> tracked_;
+  // Of the tracked nodes, seen from the frames of their parts; apart, because few parts have one of their own to look
+  // at in every cycle.
+  std::vector<Box> own_boxes_;
+  std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank [m]
+  std::vector<Vec3> undeformed_;  // positions of the tracked nodes [m]
+  std::vector<Stray> strays_;
+  Counts counts_;
+  std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1
+  std::vector<std::uint64_t> on_mirror_;  // per local node: boundary conditions on whose plane of symmetry it lies
+  std::unique_ptr<CandidateSearch> search_;
+  const Candidates* found_ = nullptr;  // of search_
+  std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank
+  const Prediction* prediction_ = nullptr;  // of the step that is being made; null for the model as it stands
+  AlignedVector<double> position_, velocity_;  // of the nodes of the view, predicted
+  AlignedVector<double> pushed_velocity_;  // of the nodes of the view, with the contact forces so far
+  AlignedVector<double> owned_position_, owned_velocity_;  // of this rank's nodes that other ranks need, predicted
+  std::vector<double> mass_;
+  std::vector<std::int64_t> force_, owned_force_, friction_, total_force_, share_, owned_share_;
+  ContactTouches touches_;
+  ContactSpeeds speeds_;
+  double least_sight_ = 0.0;  // of all facets that the model can have [m]
+  ContactLoad load_;
+  std::string trouble_;
+};
+
+}  // namespace kerf

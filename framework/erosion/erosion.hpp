@@ -1,0 +1,47 @@
+// Deletes elements whose criteria failed, and decides on the nodes that they leave.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "erosion/judge.hpp"
+#include "erosion/record.hpp"
+#include "kerf/element.hpp"
+#include "model/ledger.hpp"
+#include "model/model.hpp"
+
+namespace kerf {
+
+class Erosion {
+ public:
+  explicit Erosion(const Model& model);
+  /// Null where the part does not erode.
+  ErosionJudge* judge(Model& model, int part, std::int64_t cycle);
+  std::uint8_t* flags(int part);
+  bool any_failed() const;
+  /// Retires the failed elements of this rank, adds them to the accounts and returns their records. Local.
+  std::vector<ErosionRecord> erode(Model& model, const Step& step, Ledger& ledger);
+  /// Slots that the last erode() retired on this rank; the face means nothing.
+  const std::vector<ExteriorFacet>& retired() const { return retired_; }
+  /// After any rank eroded: marks nodes that no live element touches any more, and updates the surface. Collective.
+  void update_free_nodes(Model& model);
+  /// With `drop`: drops the free nodes. To be called after the kick, when the forces that they still got in the step
+  /// of their release have done their work, as the reactions to them have. Local.
+  void drop_free_nodes(Model& model, Ledger& ledger);
+  /// With `drop_beyond`: drops free nodes that have left the box round all live material by the given distance.
+  /// Returns whether any rank dropped one. Collective.
+  bool drop_distant_nodes(Model& model, Ledger& ledger);
+  /// Moves live elements together where enough slots are empty. Local.
+  void compact(Model& model);
+
+ private:
+  static void drop(Model& model, int node, Ledger& ledger);
+
+  std::vector<std::unique_ptr<PartJudge>> judges_;
+  bool may_have_free_nodes_ = true;  // that are to be dropped; a restart may have left some
+  std::vector<ExteriorFacet> retired_;
+};
+
+}  // namespace kerf

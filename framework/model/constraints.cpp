@@ -1,0 +1,100 @@
+// Asks the boundary conditions of the input about the nodes of this rank.
+#include "model/constraints.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <utility>
+
+#include "model/node_group.hpp"
+#include "model/reference_position.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+void Constraints::resolve(const Model& model) {
+  constrained_.clear();
+  const auto& boundaries = model.input->boundaries;
+  std::vector<NodeGroup> groups;
+  for (const auto& b : boundaries) groups.emplace_back(model, b->nodes());
+  near_.assign(boundaries.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
+  always_ = near_;
+  for (int i = 0; i < model.nodes.n(); ++i) {
+    std::uint64_t always = 0;
+    for (std::size_t b = 0; b < boundaries.size(); ++b) {
+      if (!groups[b].holds(model.nodes, i)) continue;
+      // By the undeformed position, which does not depend on when the question is asked.
+      const Boundary::Ask ask = boundaries[b]->ask(reference_position(model, model.nodes.id[i]));
+      if (ask == Boundary::Ask::always) always |= std::uint64_t{1} << b;
+      if (ask == Boundary::Ask::near_region) near_[i] |= std::uint64_t{1} << b;
+    }
+    if (always == 0) continue;
+    constrained_.push_back({i, always});
+    always_[i] = always;
+  }
+}
+
+std::vector<HalfSpace> Constraints::regions(const Model& model, const Step& step) {
+  std::vector<HalfSpace> all;
+  for (const auto& b : model.input->boundaries) all.push_back(b->region(step.end()));
+  return all;
+}
+
+void Constraints::initialise(Model& model) const {
+  const auto& boundaries = model.input->boundaries;
+  for (const auto& b : boundaries) {
+    const NodeGroup group(model, b->nodes());
+    for (int i = 0; i < model.nodes.n(); ++i)
+      if (group.holds(model.nodes, i)) {
+        const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)};
+        model.nodes.set_v(i, b->initial(node, model.nodes.v(i)));
+      }
+  }
+}
+
+std::vector<std::string> Constraints::complaints(const Model& model) const {
+  std::vector<std::string> lines;
+  for (const auto& b : model.input->boundaries) {
+    const NodeGroup group(model, b->nodes());
+    // Of many nodes, the one with the lowest id speaks.
+    std::int64_t n = 0, lowest = std::numeric_limits<std::int64_t>::max();
+    std::string text;
+    for (int i = 0; i < model.nodes.n(); ++i) {
+      if (!model.nodes.owned[i] || !group.holds(model.nodes, i)) continue;
+      std::string line = b->complaint({model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)});
+      if (line.empty()) continue;
+      ++n;
+      if (model.nodes.id[i] > lowest) continue;
+      lowest = model.nodes.id[i];
+      text = std::move(line);
+    }
+    n = sum_of(model.comm, n);
+    if (lowest != -greatest(model.comm, -lowest)) text.clear();
+    text = first_text(model.comm, text);
+    if (n > 0)
+      lines.push_back(fmt::format("{}: error: {}{}", b->origin,
+                                  n > 1 ? fmt::format("{} nodes cannot start where they are: ", n) : "", text));
+  }
+  return lines;
+}
+
+Vec3 Constraints::constrain(const Model& model, int i, std::uint64_t always, const Step& step,
+                            const std::vector<HalfSpace>& planes, Vec3 old_velocity, Vec3 velocity) const {
+  const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), old_velocity};
+  const BoundaryStep when{step.start + 0.5 * step.dt, step.dt};
+  const auto& boundaries = model.input->boundaries;
+  for (std::size_t b = 0; b < boundaries.size(); ++b) {
+    const bool near =
+        (near_[i] >> b & 1u) != 0 && dot(planes[b].normal, node.position + velocity * step.dt) < planes[b].offset;
+    if (near || (always >> b & 1u) != 0) velocity = boundaries[b]->constrain(node, when, velocity);
+  }
+  return velocity;
+}
+
+bool Constraints::ends_in_region(int node, const std::vector<HalfSpace>& planes, Vec3 to) const {
+  for (std::size_t b = 0; b < planes.size(); ++b)
+    if ((near_[node] >> b & 1u) != 0 && dot(planes[b].normal, to) < planes[b].offset) return true;
+  return false;
+}
+
+}  // namespace kerf

@@ -1,0 +1,48 @@
+// See exposure.hpp.
+#include "model/exposure.hpp"
+
+#include <cmath>
+
+#include "model/node_group.hpp"
+
+namespace kerf {
+
+namespace {
+
+/// Whether a condition leaves a node no choice of its velocity along `normal`: it makes the same of two opposite ones.
+bool rules(const Boundary& boundary, const BoundaryNode& node, Vec3 normal) {
+  if (boundary.ask(node.position) != Boundary::Ask::always) return false;
+  const BoundaryStep step{0.0, 1e-30};
+  const double one = dot(boundary.constrain(node, step, normal), normal);
+  const double other = dot(boundary.constrain(node, step, normal * -1.0), normal);
+  return std::fabs(one - other) < 1e-6;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint8_t>> count_exposed_faces(Model& model) {
+  std::vector<std::vector<std::uint8_t>> exposed;
+  for (const PartModel& part : model.parts)
+    exposed.emplace_back(static_cast<std::size_t>(part.store->n_blocks()) * lane_width, std::uint8_t{0});
+  std::vector<NodeGroup> groups;
+  for (const auto& b : model.input->boundaries) groups.emplace_back(model, b->nodes());
+  const auto held = [&](std::int32_t i, Vec3 normal) {
+    for (std::size_t k = 0; k < groups.size(); ++k)
+      if (groups[k].holds(model.nodes, i) &&
+          rules(*model.input->boundaries[k], {model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), Vec3{}},
+                normal))
+        return true;
+    return false;
+  };
+  for (const ExteriorFacet& f : model.surface.exterior(model)) {
+    const Vec3 across = cross(model.nodes.x(f.nodes[2]) - model.nodes.x(f.nodes[0]),
+                              model.nodes.x(f.nodes[3]) - model.nodes.x(f.nodes[1]));
+    const Vec3 normal = across * (1.0 / norm(across));
+    bool free = false;
+    for (const std::int32_t corner : f.nodes) free = free || !held(corner, normal);
+    if (free) ++exposed[static_cast<std::size_t>(f.part)][static_cast<std::size_t>(f.slot)];
+  }
+  return exposed;
+}
+
+}  // namespace kerf

@@ -1,0 +1,22 @@
+// Look-up of local nodes by global id.
+#include "model/model.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace kerf {
+
+void Model::index_nodes() {
+  ++node_arrangement_;
+  by_id_.resize(nodes.id.size());
+  std::iota(by_id_.begin(), by_id_.end(), 0);
+  std::sort(by_id_.begin(), by_id_.end(), [&](std::int32_t a, std::int32_t b) { return nodes.id[a] < nodes.id[b]; });
+}
+
+std::int32_t Model::local_node(std::int64_t id) const {
+  const auto it = std::lower_bound(by_id_.begin(), by_id_.end(), id,
+                                   [&](std::int32_t i, std::int64_t wanted) { return nodes.id[i] < wanted; });
+  return it != by_id_.end() && nodes.id[*it] == id ? *it : -1;
+}
+
+}  // namespace kerf

@@ -1,0 +1,310 @@
+// From generators to a numbered, distributed model at time zero.
+#include "model/setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/assert.hpp"
+#include "core/diagnostics.hpp"
+#include "core/fixed_sum.hpp"
+#include "input/node_choice.hpp"
+#include "mesh/quality.hpp"
+#include "model/copies.hpp"
+#include "model/migrator.hpp"
+#include "model/node_group.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+/// Bulk and shear modulus and pressure of the undeformed material, asked of its laws.
+void ask_moduli(PartModel& part) {
+  const MaterialInput& m = *part.material;
+  double zero[6][lane_width] = {}, stress[6][lane_width] = {}, density[lane_width], none[lane_width] = {};
+  double shear[lane_width], pressure[lane_width], bulk[lane_width];
+  std::fill(density, density + lane_width, m.density);
+  const auto initial_state = [](const Law& law) {
+    std::vector<double> state;
+    for (const StateVariable& v : law.state_variables()) state.insert(state.end(), lane_width, v.initial);
+    state.resize(state.size() + lane_width);
+    return state;
+  };
+  std::vector<double> material_state = initial_state(*m.strength), eos_state = initial_state(*m.eos);
+  MaterialBatch b;
+  b.reference_density = m.density;
+  b.strain_increment = zero;
+  b.density = density;
+  b.specific_energy = none;
+  b.pressure = none;
+  b.deviator = stress;
+  b.state = material_state.data();
+  b.shear_modulus = shear;
+  m.strength->update(b);
+  EosBatch e;
+  e.reference_density = m.density;
+  e.density = density;
+  e.specific_energy = none;
+  e.state = eos_state.data();
+  e.pressure = pressure;
+  e.bulk_modulus = bulk;
+  m.eos->evaluate(e);
+  part.shear_modulus = shear[0];
+  part.bulk_modulus = bulk[0];
+  part.initial_pressure = pressure[0];
+  part.initial_energy = m.eos->initial_energy_density() / m.density;
+}
+
+class SetMarker {
+ public:
+  SetMarker(const Model& model, const PartModel& part) {
+    for (std::size_t k = 0; k < model.input->sets.size(); ++k) {
+      const NodeChoice choice(*model.input->sets[k], *part.input);
+      if (choice.possible()) rules_.push_back({choice, std::uint64_t{1} << k});
+    }
+  }
+  std::uint64_t mark(const MeshGenerator& mesh, std::int64_t i, Vec3 x) const {
+    std::uint64_t mask = 0;
+    for (const Rule& r : rules_)
+      if (r.choice.takes(mesh, i, x)) mask |= r.bit;
+    return mask;
+  }
+
+ private:
+  struct Rule {
+    NodeChoice choice;
+    std::uint64_t bit;
+  };
+  std::vector<Rule> rules_;
+};
+
+/// Edge of the dummies over the longest edge of all elements.
+constexpr double dummy_size = 16.0;
+
+/// What a rank learns of its share of the mesh while it makes it.
+struct MeshFacts {
+  double longest_edge = 0.0;  // [m]
+  MeshScale scale;
+  std::vector<std::array<double, 2>> sizes;  // per part: least and greatest longest edge of its elements [m]
+  std::vector<std::int64_t> n_unusable;  // per part: elements that cannot be computed
+};
+
+/// Elements [first, last) of a part, counted within the part.
+void generate_part(const Model& model, std::size_t p, std::int64_t first, std::int64_t last, ModelBundle& bundle,
+                   MeshFacts& facts) {
+  const PartModel& part = model.parts[p];
+  const MeshGenerator& mesh = *part.input->mesh;
+  const Placement placement(*part.input);
+  const SetMarker sets(model, part);
+  ElementBundle& out = bundle.parts[p];
+  const int size = part.store->record_size();
+  const auto n = static_cast<std::size_t>(last - first);
+  out.records.resize(n * static_cast<std::size_t>(size));
+  out.ids.reserve(n);
+  out.nodes.reserve(n);
+  // As many as the elements' share of the part, and some more on the cut to the next rank.
+  const double share = static_cast<double>(n) / static_cast<double>(mesh.n_elements());
+  bundle.nodes.reserve(bundle.nodes.size() + static_cast<std::size_t>(1.05 * share * mesh.n_nodes()) + 64);
+  std::vector<char> seen(static_cast<std::size_t>(mesh.n_nodes()), 0);
+  for (std::int64_t e = first; e < last; ++e) {
+    const auto corners = mesh.element(e);
+    HexCorners x;
+    std::array<std::int64_t, 8> ids{};
+    for (int k = 0; k < 8; ++k) {
+      x[k] = placement.apply(mesh.node(corners[k]));
+      ids[k] = part.first_node + corners[k];
+      if (seen[corners[k]] != 0) continue;
+      seen[corners[k]] = 1;
+      NodeRecord r;
+      r.id = ids[k];
+      r.part = static_cast<std::int32_t>(p);
+      r.sets = sets.mark(mesh, corners[k], x[k]);
+      for (int d = 0; d < 3; ++d) {
+        r.position[d] = x[k][d];
+        facts.scale.farthest = std::max(facts.scale.farthest, std::fabs(x[k][d]));
+        r.velocity[d] = part.input->velocity[d];
+      }
+      bundle.nodes.push_back(r);
+    }
+    const double volume = hex_volume(x);
+    if (!(volume > 0.0) || !(min_scaled_jacobian(x) > 0.0)) ++facts.n_unusable[p];
+    const double edge = longest_edge(x);
+    facts.longest_edge = std::max(facts.longest_edge, edge);
+    facts.scale.shortest_edge = std::min(facts.scale.shortest_edge, shortest_edge(x));
+    facts.sizes[p] = {std::min(facts.sizes[p][0], edge), std::max(facts.sizes[p][1], edge)};
+    out.ids.push_back(part.first_element + e);
+    out.nodes.push_back(ids);
+    part.store->initial_record(part.material->density * volume,
+                               out.records.data() + static_cast<std::size_t>(e - first) * size);
+  }
+}
+
+/// Throws where elements have no volume or are turned inside out. Collective.
+void refuse_unusable(const Model& model, const MeshFacts& facts) {
+  std::vector<std::string> errors;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const std::int64_t n = sum_of(model.comm, facts.n_unusable[p]);
+    const PartInput& part = *model.parts[p].input;
+    if (n > 0)
+      errors.push_back(
+          fmt::format("{}: error: {} of the {} elements of part {} {} no volume or a corner turned inside "
+                      "out; change the parameters of the mesh{}",
+                      part.mesh->origin, n, model.parts[p].n_elements, part.name, n == 1 ? "has" : "have",
+                      part.placement.empty() ? "" : " or the placement of the part"));
+  }
+  if (!errors.empty()) throw InputError(errors);
+}
+
+/// Throws where areas squared, or these times a modulus, would leave the range of floats: 1e-38 to 3e38. Dummies, whose
+/// edges are 16 times the longest one, are computed too. Collective.
+void refuse_beyond_floats(const Model& model, const MeshFacts& facts) {
+  if (model.input->precision != "single") return;
+  constexpr double least = 1e-7, most = 1e5;  // [m]
+  std::vector<std::string> errors;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartInput& part = *model.parts[p].input;
+    const double low = -greatest(model.comm, -facts.sizes[p][0]), high = greatest(model.comm, facts.sizes[p][1]);
+    if (low < least || high > most)
+      errors.push_back(fmt::format(
+          "{}: error: part {} has elements of {:.3g} m, and `precision: single` computes with {:g} m to {:g} m; "
+          "expected other units of the mesh, or `precision: double`",
+          part.mesh->origin, part.name, low < least ? low : high, least, most));
+  }
+  if (!errors.empty()) throw InputError(errors);
+}
+
+/// Greatest speed of a node at time zero, and of what conditions impose on nodes in the course of the run [m/s].
+/// Collective.
+double greatest_speed(const Model& model) {
+  constexpr int n_looks = 32;  // at a motion that changes with time
+  const double end = model.input->time.end, dt = 1e-3 * end / n_looks;
+  double square = 0.0;
+  const auto see = [&square](Vec3 v) { square = std::max(square, dot(v, v)); };
+  for (const auto& b : model.input->boundaries)
+    for (int look = 0; look < n_looks; ++look) {
+      const HalfSpace from = b->region(end * look / n_looks), to = b->region(end * look / n_looks + dt);
+      if (const double length = norm(to.normal); length > 0.0)
+        see(to.normal * ((to.offset - from.offset) / (dt * length * length)));
+    }
+  std::vector<NodeGroup> groups;
+  for (const auto& b : model.input->boundaries) groups.emplace_back(model, b->nodes());
+  for (int i = 0; i < model.nodes.n(); ++i) {
+    Vec3 v = model.nodes.v(i);
+    see(v);
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      if (!groups[k].holds(model.nodes, i)) continue;
+      const Boundary& b = *model.input->boundaries[k];
+      const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), v};
+      see(v = b.initial(node, v));
+      if (b.ask(node.position) != Boundary::Ask::always) continue;
+      for (int look = 0; look < n_looks; ++look) see(b.constrain(node, {end * look / n_looks + 0.5 * dt, dt}, Vec3{}));
+    }
+  }
+  return std::sqrt(greatest(model.comm, square));
+}
+
+/// Lumped nodal masses: an eighth of each element, summed in whole quanta over all ranks.
+void lump_masses(Model& model) {
+  double largest = 0.0;
+  for (const PartModel& part : model.parts)
+    for (int s = 0; s < part.store->n_slots(); ++s)
+      largest = std::max(largest, part.store->field(PartStore::mass).at(s, 0));
+  const double quantum = power_of_two_above(greatest(model.comm, largest)) * 0x1p-54;
+  std::vector<std::int64_t> sums(static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies, 0);
+  for (const PartModel& part : model.parts)
+    for (int s = 0; s < part.store->n_slots(); ++s) {
+      const auto share = std::llrint(part.store->field(PartStore::mass).at(s, 0) / (8.0 * quantum));
+      for (int k = 0; k < 8; ++k) sums[part.store->node(s, k)] += share;
+    }
+  sum_over_copies(model, sums.data(), 1);
+  for (int i = 0; i < model.nodes.n(); ++i) model.nodes.set_mass(i, static_cast<double>(sums[i]) * quantum);
+}
+
+/// From what the laws, the motion at time zero and the conditions say. Collective.
+void set_force_quantum(Model& model) {
+  // What two bodies that meet head on can press on each other: at least rho v^2 each, which in a cold gas is more than
+  // any modulus.
+  const double closing = 2.0 * greatest_speed(model), longest = model.dummy_edge / dummy_size;
+  double stiffest = 0.0;
+  for (const PartModel& part : model.parts)
+    stiffest = std::max({stiffest, part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus, std::fabs(part.initial_pressure),
+                         part.material->density * closing * closing});
+  // 64 times the stiffest modulus on the largest face is the largest force that fits (design, section 5).
+  model.quanta.force.quantum = power_of_two_above(64.0 * stiffest * longest * longest) / ForceScale::limit;
+  model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
+}
+
+}  // namespace
+
+std::vector<StateVariable> erosion_variables(const MaterialInput& material) {
+  std::vector<StateVariable> all;
+  if (!material.erosion) return all;
+  // The first variable remembers which criteria failed at their last look, as a whole number of bits.
+  StateVariable verdicts;
+  verdicts.name = "erosion_verdicts";
+  verdicts.unit = "-";
+  all.push_back(verdicts);
+  for (const auto& c : material.erosion->criteria)
+    for (const StateVariable& v : c->state_variables()) all.push_back(v);
+  return all;
+}
+
+void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
+  model.set_comm(comm);
+  model.input = &input;
+  for (const auto& set : input.sets) model.set_names.push_back(set->name);
+  const Precision precision = input.precision == "single" ? Precision::single_precision : Precision::double_precision;
+  for (const auto& p : input.parts) {
+    PartModel part;
+    part.input = p.get();
+    part.placement = std::make_unique<Placement>(*p);
+    for (const auto& m : input.materials)
+      if (m->name == p->material) part.material = m.get();
+    KERF_ASSERT(part.material, "names of materials are checked when the input is read");
+    part.first_element = model.n_elements;
+    part.first_node = model.n_nodes;
+    part.n_elements = p->mesh->n_elements();
+    part.n_nodes = p->mesh->n_nodes();
+    model.n_elements += part.n_elements;
+    model.n_nodes += part.n_nodes;
+    ask_moduli(part);
+    // Measured shares of an element's work that the laws have: see doc/developers/performance.md.
+    part.work =
+        p->element->cost() * (0.8 + 0.2 * part.material->strength->cost() + (part.material->erosion ? 0.1 : 0.0));
+    part.store =
+        std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, *part.material->strength,
+                                    *part.material->eos, erosion_variables(*part.material), precision);
+    model.parts.push_back(std::move(part));
+  }
+}
+
+void generate_mesh(Model& model) {
+  const std::int64_t n = model.n_elements, r = model.rank(), n_ranks = model.n_ranks();
+  const std::int64_t first = n / n_ranks * r + std::min(r, n % n_ranks);
+  const std::int64_t last = first + n / n_ranks + (r < n % n_ranks ? 1 : 0);
+  ModelBundle bundle;
+  bundle.parts.resize(model.parts.size());
+  MeshFacts facts;
+  facts.n_unusable.assign(model.parts.size(), 0);
+  facts.scale.shortest_edge = std::numeric_limits<double>::max();
+  facts.sizes.assign(model.parts.size(), {std::numeric_limits<double>::max(), 0.0});
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartModel& part = model.parts[p];
+    const std::int64_t low = std::clamp(first - part.first_element, std::int64_t{0}, part.n_elements);
+    const std::int64_t high = std::clamp(last - part.first_element, std::int64_t{0}, part.n_elements);
+    if (low < high) generate_part(model, p, low, high, bundle, facts);
+  }
+  refuse_unusable(model, facts);
+  refuse_beyond_floats(model, facts);
+  model.dummy_edge = dummy_size * greatest(model.comm, facts.longest_edge);
+  model.scale = {least(model.comm, facts.scale.shortest_edge), greatest(model.comm, facts.scale.farthest)};
+  for (const auto& boundary : model.input->boundaries) boundary->prepare(model.scale);
+  assemble(model, std::move(bundle));
+  lump_masses(model);
+  set_force_quantum(model);
+}
+
+}  // namespace kerf

@@ -1,0 +1,18 @@
+// Builds the model of time zero from the input: meshes, placement, sets, masses, quanta.
+#pragma once
+
+#include "input/placement.hpp"
+#include "model/model.hpp"
+
+namespace kerf {
+
+/// Creates the parts (laws and empty stores) and their global numbering. Local.
+void create_parts(Model& model, MPI_Comm comm, const ModelInput& input);
+
+/// Generates this rank's contiguous share of the elements and assembles it. Collective.
+void generate_mesh(Model& model);
+
+/// Erosion criteria's variables of a material, in memory order; see PartJudge.
+std::vector<StateVariable> erosion_variables(const MaterialInput& material);
+
+}  // namespace kerf

@@ -1,0 +1,234 @@
+// State to and from the restart container.
+#include "report/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/diagnostics.hpp"
+#include "model/migrator.hpp"
+#include "output/restart.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+void write_nodes(RestartWriter& file, Simulation& simulation) {
+  const Model& model = simulation.model();
+  const NodeStore& nodes = model.nodes;
+  std::vector<std::int64_t> ids, integers;
+  std::vector<double> reals;
+  std::vector<std::array<std::int64_t, 6>> contact(static_cast<std::size_t>(nodes.n()));
+  const ContactLoad& load = simulation.contact_load();
+  for (std::size_t k = 0; k < load.nodes.size(); ++k)
+    for (int d = 0; d < 3; ++d) {
+      contact[load.nodes[k]][d] = load.force[4 * k + d];
+      contact[load.nodes[k]][3 + d] = load.friction[4 * k + d];
+    }
+  for (int i = 0; i < nodes.n(); ++i) {
+    if (!nodes.owned[i]) continue;
+    const NodeRecord r = nodes.record(i);
+    ids.push_back(r.id);
+    integers.insert(integers.end(),
+                    {static_cast<std::int64_t>(r.sets), r.part, r.free, r.force[0], r.force[1], r.force[2]});
+    integers.insert(integers.end(), contact[i].begin(), contact[i].end());
+    reals.insert(reals.end(),
+                 {r.position[0], r.position[1], r.position[2], r.velocity[0], r.velocity[1], r.velocity[2], r.mass});
+  }
+  file.write_entities("nodes", model.n_nodes, ids, {{"integers", 12, integers.data()}, {"reals", 7, reals.data()}});
+}
+
+void write_elements(RestartWriter& file, const Model& model) {
+  for (const PartModel& part : model.parts) {
+    const PartStore& store = *part.store;
+    std::vector<std::int64_t> ids, nodes;
+    std::vector<double> records;
+    for (int s = 0; s < store.n_slots(); ++s) {
+      if (!store.live(s)) continue;
+      ids.push_back(store.id(s) - part.first_element);
+      for (int k = 0; k < 8; ++k) nodes.push_back(model.nodes.id[store.node(s, k)]);
+      const std::size_t at = records.size();
+      records.resize(at + store.record_size());
+      store.pack(s, records.data() + at);
+    }
+    file.write_entities("elements_" + part.input->name, part.n_elements, ids,
+                        {{"nodes", 8, nodes.data()}, {"state", store.record_size(), records.data()}});
+  }
+}
+
+std::vector<std::int64_t> total_accounts(const Model& model, const Accounts& a) {
+  std::vector<std::int64_t> v{a.hourglass,
+                              a.contact,
+                              a.external,
+                              a.eroded_internal,
+                              a.eroded_viscous,
+                              a.dropped_kinetic,
+                              a.impulse[0],
+                              a.impulse[1],
+                              a.impulse[2],
+                              a.dropped_momentum[0],
+                              a.dropped_momentum[1],
+                              a.dropped_momentum[2],
+                              a.dropped_mass,
+                              a.eroded_elements,
+                              a.friction};
+  MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_INT64_T, MPI_SUM, model.comm);
+  return v;
+}
+
+Accounts accounts_from(const std::vector<std::int64_t>& v) {
+  Accounts a;
+  a.hourglass = v.at(0);
+  a.contact = v.at(1);
+  a.external = v.at(2);
+  a.eroded_internal = v.at(3);
+  a.eroded_viscous = v.at(4);
+  a.dropped_kinetic = v.at(5);
+  for (int d = 0; d < 3; ++d) {
+    a.impulse[d] = v.at(6 + d);
+    a.dropped_momentum[d] = v.at(9 + d);
+  }
+  a.dropped_mass = v.at(12);
+  a.eroded_elements = v.at(13);
+  a.friction = v.at(14);
+  return a;
+}
+
+/// Hands every rank the records of the nodes that its elements need, by way of each node's home rank.
+std::vector<NodeRecord> deliver(const Model& model, const std::vector<NodeRecord>& share,
+                                std::vector<std::int64_t> wanted) {
+  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  std::vector<std::vector<NodeRecord>> home(n_ranks);
+  for (const NodeRecord& r : share) home[r.id % n_ranks].push_back(r);
+  std::vector<NodeRecord> mine;
+  for (const auto& list : all_to_all(model.comm, home)) mine.insert(mine.end(), list.begin(), list.end());
+  std::sort(mine.begin(), mine.end(), [](const NodeRecord& a, const NodeRecord& b) { return a.id < b.id; });
+  std::vector<std::vector<std::int64_t>> requests(n_ranks);
+  for (const std::int64_t id : wanted) requests[id % n_ranks].push_back(id);
+  std::vector<std::vector<NodeRecord>> replies(n_ranks);
+  const auto asked = all_to_all(model.comm, requests);
+  for (std::size_t r = 0; r < n_ranks; ++r)
+    for (const std::int64_t id : asked[r])
+      replies[r].push_back(*std::lower_bound(mine.begin(), mine.end(), id,
+                                             [](const NodeRecord& n, std::int64_t v) { return n.id < v; }));
+  std::vector<NodeRecord> result;
+  for (const NodeRecord& n : mine)
+    if (n.free != 0) result.push_back(n);  // nobody asks for free nodes: they stay at home
+  for (const auto& list : all_to_all(model.comm, replies)) result.insert(result.end(), list.begin(), list.end());
+  return result;
+}
+
+ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Progress& progress) {
+  ModelBundle bundle;
+  bundle.parts.resize(model.parts.size());
+  std::vector<std::int64_t> wanted;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartModel& part = model.parts[p];
+    const RestartEntities e = file.read_entities("elements_" + part.input->name);
+    const auto& nodes = e.integer("nodes", 8);
+    bundle.parts[p].records = e.real("state", part.store->record_size());
+    for (std::size_t i = 0; i < e.gids.size(); ++i) {
+      bundle.parts[p].ids.push_back(part.first_element + e.gids[i]);
+      std::array<std::int64_t, 8> n{};
+      std::copy_n(nodes.begin() + static_cast<std::ptrdiff_t>(8 * i), 8, n.begin());
+      wanted.insert(wanted.end(), n.begin(), n.end());
+      bundle.parts[p].nodes.push_back(n);
+    }
+  }
+  const RestartEntities e = file.read_entities("nodes");
+  const auto& integers = e.integer("integers", 12);
+  const auto& reals = e.real("reals", 7);
+  std::vector<NodeRecord> share(e.gids.size());
+  struct Load {
+    std::int64_t id, force[6];  // of contact, and of friction
+  };
+  std::vector<Load> loads;
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    NodeRecord& r = share[i];
+    const std::int64_t* k = &integers[12 * i];
+    r.id = e.gids[i];
+    r.sets = static_cast<std::uint64_t>(k[0]);
+    r.part = static_cast<std::int32_t>(k[1]);
+    r.free = static_cast<std::int32_t>(k[2]);
+    std::copy_n(k + 3, 3, r.force);
+    std::copy_n(&reals[7 * i], 3, r.position);
+    std::copy_n(&reals[7 * i + 3], 3, r.velocity);
+    r.mass = reals[7 * i + 6];
+    if (k[6] != 0 || k[7] != 0 || k[8] != 0) loads.push_back({r.id, {k[6], k[7], k[8], k[9], k[10], k[11]}});
+  }
+  // Who will own a node is not known yet: every rank gets all loads, which are few.
+  std::vector<std::vector<Load>> to_all(static_cast<std::size_t>(model.n_ranks()), loads);
+  for (const auto& list : all_to_all(model.comm, to_all))
+    for (const Load& l : list) std::copy_n(l.force, 6, progress.contact_force[l.id].begin());
+  bundle.nodes = deliver(model, share, std::move(wanted));
+  return bundle;
+}
+
+}  // namespace
+
+void write_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation,
+                      const OutputProgress& output) {
+  const Model& model = simulation.model();
+  Simulation::Progress p = simulation.progress();
+  p.element_cycles = sum_of(model.comm, p.element_cycles);
+  RestartWriter file(model.comm, path);
+  file.write_attribute("input_digest", input_digest);
+  file.write_attribute("clock",
+                       std::vector<double>{p.time, p.last_dt, p.reduction.least_step, p.first_stable, p.contact_step});
+  file.write_attribute("counters", std::vector<std::int64_t>{p.cycle, p.last_rebalance, p.element_cycles,
+                                                             p.reduction.least_id, output.n_frames});
+  file.write_attribute("due", std::vector<double>{output.next_results, output.next_history, output.next_restart});
+  file.write_attribute("eroded_by", output.eroded_by);
+  file.write_attribute("accounts", total_accounts(model, simulation.ledger().accounts));
+  const LetGo let_go = simulation.ledger().let_go.total(model.comm);
+  std::vector<std::int64_t> let_go_counts{let_go.nodes, let_go.mass};
+  let_go_counts.insert(let_go_counts.end(), let_go.by_part.begin(), let_go.by_part.end());
+  file.write_attribute("let_go", let_go_counts);
+  file.write_attribute("contact", std::vector<double>{let_go.deepest, let_go.first_time});
+  write_nodes(file, simulation);
+  write_elements(file, model);
+  file.finish();
+}
+
+OutputProgress read_checkpoint(const std::string& path, const std::string& input_digest, Simulation& simulation) {
+  Model& model = simulation.model();
+  RestartReader file(model.comm, path);
+  if (file.text("input_digest") != input_digest)
+    throw InputError({fmt::format(
+        "{}: error: this restart file belongs to another model; resume with the input that "
+        "wrote it (precision, materials, parts, sets, boundaries, contacts, checks, and time but for its end, must be "
+        "the same)",
+        path)});
+  Simulation::Progress p;
+  const auto clock = file.reals("clock");
+  const auto counters = file.integers("counters");
+  const auto due = file.reals("due");
+  p.time = clock.at(0);
+  p.last_dt = clock.at(1);
+  p.reduction.least_step = clock.at(2);
+  p.first_stable = clock.at(3);
+  p.contact_step = clock.at(4);
+  p.cycle = counters.at(0);
+  p.last_rebalance = counters.at(1);
+  p.element_cycles = counters.at(2);
+  p.reduction.least_id = counters.at(3);
+  assemble(model, read_bundle(file, model, p));
+  simulation.ledger().accounts = model.rank() == 0 ? accounts_from(file.integers("accounts")) : Accounts{};
+  const auto taken = file.reals("contact");
+  simulation.ledger().let_go = {};
+  if (model.rank() == 0) {
+    const auto counts = file.integers("let_go");
+    simulation.ledger().let_go = {.nodes = counts.at(0),
+                                  .mass = counts.at(1),
+                                  .by_part = {counts.begin() + 2, counts.end()},
+                                  .deepest = taken.at(0),
+                                  .first_time = taken.at(1)};
+  }
+  simulation.resume(p);
+  return {counters.at(4), due.at(0), due.at(1), due.at(2), file.integers("eroded_by")};
+}
+
+}  // namespace kerf

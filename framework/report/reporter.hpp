@@ -1,0 +1,73 @@
+// Writes what a run tells its user: results, history, erosion log, restart files, progress lines, summary.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "dynamics/simulation.hpp"
+#include "erosion/record.hpp"
+#include "output/history.hpp"
+#include "output/results.hpp"
+#include "output/summary.hpp"
+#include "report/checkpoint.hpp"
+#include "report/erosion_log.hpp"
+#include "report/result_fields.hpp"
+
+namespace kerf {
+
+struct ReportSettings {
+  std::string folder;  // of all output files
+  std::string input_name;  // for summary.json
+  std::string input_digest;  // of everything that a restart may not change
+  bool resume = false;
+};
+
+class Reporter final : public StepObserver {
+ public:
+  /// Opens the files. On resume, reads the restart file and cuts the other files back to it. Collective.
+  Reporter(Simulation& simulation, const ModelInput& input, const ReportSettings& settings);
+  ~Reporter() override;
+
+  void after_step(Simulation& simulation, const Step& step) override;
+  /// Last frame, last row, summary, closing table. `exit` is "completed", "signal", or what went wrong. Collective.
+  void finish(const std::string& exit);
+  /// After a failure of output: the summary, where there is still room for it. Collective.
+  void give_up(const std::string& failure);
+
+ private:
+  void resume(const std::string& folder);
+  void start_anew(const std::string& folder);
+  OutputProgress read_newest_restart();
+  void print(const std::string& text) const;
+  void require_same_fields() const;
+  void write_frame();
+  void write_history(bool check);
+  void write_restart();
+  void progress_line();
+  Summary summarise(const std::string& exit);
+  void add_parts(Summary& summary);
+  void add_measures(Summary& summary);
+  void add_timers(Summary& summary);
+  std::string table_of(const Summary& summary) const;
+  bool root() const { return simulation_.model().rank() == 0; }
+
+  Simulation& simulation_;
+  const ModelInput& input_;
+  ReportSettings settings_;
+  std::unique_ptr<ResultsWriter> results_;
+  FrameWriter frames_;
+  std::unique_ptr<HistoryWriter> history_;
+  std::unique_ptr<ErosionLog> erosion_log_;
+  OutputProgress due_;
+  Balance last_;
+  double results_interval_ = 0.0, history_interval_ = 0.0, restart_interval_ = 0.0, start_seconds_ = 0.0;
+  double last_progress_seconds_ = 0.0, next_progress_ = 0.0, setup_seconds_ = 0.0;
+  std::int64_t last_history_cycle_ = -1, last_frame_cycle_ = -1, last_restart_cycle_ = -1;
+  void count_eroded(const std::vector<ErosionRecord>& records);
+
+  // Elements eroded by this rank, per part and position of the criterion in the part's list of at most eight.
+  std::vector<std::int64_t> eroded_by_;
+  std::int64_t first_element_cycles_ = 0;
+};
+
+}  // namespace kerf

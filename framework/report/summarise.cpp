@@ -1,0 +1,354 @@
+// The summary of a run: totals, parts, measures, timers, and the table that closes the console output.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+
+#include "core/assert.hpp"
+#include "core/fixed_sum.hpp"
+#include "kerf/measure.hpp"
+#include "kerf/plugin.hpp"
+#include "model/reference_position.hpp"
+#include "parallel/communicator.hpp"
+#include "report/reporter.hpp"
+#include "report/state_hash.hpp"
+
+namespace kerf {
+
+namespace {
+
+std::array<double, 3> triple(Vec3 v) { return {v.x, v.y, v.z}; }
+
+struct FlatElement {
+  std::int64_t id, nodes[8], part;
+  double mass;
+};
+
+/// Calls `take` with every live element of this rank.
+template <class Take>
+void each_element(const Model& model, const Take& take) {
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartStore& store = *model.parts[p].store;
+    for (int s = 0; s < store.n_slots(); ++s) {
+      if (!store.live(s)) continue;
+      FlatElement e{store.id(s), {}, static_cast<std::int64_t>(p), store.field(PartStore::mass).at(s, 0)};
+      for (int k = 0; k < 8; ++k) e.nodes[k] = model.nodes.id[store.node(s, k)];
+      take(e);
+    }
+  }
+}
+
+/// Calls `take` with every node that this rank owns.
+template <class Take>
+void each_node(const Model& model, const Take& take) {
+  for (int i = 0; i < model.nodes.n(); ++i)
+    if (model.nodes.owned[i]) take(model.nodes.record(i));
+}
+
+/// Calls `take` on rank 0 with all items of all ranks, which `each` shows on theirs: of one rank after the other, since
+/// rank 0 may not have room for all of them twice. Collective.
+template <class Item, class Each, class Take>
+void take_on_root(const Model& model, const Each& each, const Take& take) {
+  if (model.rank() == 0) each(model, take);
+  for (int r = 1; r < model.n_ranks(); ++r) {
+    std::vector<Item> items;
+    if (model.rank() == r) each(model, [&](const Item& item) { items.push_back(item); });
+    for (const Item& item : bring_to_root(model.comm, r, std::move(items))) take(item);
+  }
+}
+
+/// The elements that have eroded, as the mesh made them. Pre: elements that live have their id in `gathered`.
+std::vector<MeasureModel::Element> eroded_elements(const Model& model, const MeasureModel& gathered) {
+  std::vector<MeasureModel::Element> eroded;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartModel& part = model.parts[p];
+    for (std::int64_t e = 0; e < part.n_elements; ++e) {
+      if (gathered.elements[static_cast<std::size_t>(part.first_element + e)].id >= 0) continue;
+      MeasureModel::Element out{part.first_element + e, static_cast<int>(p), 0.0, {}};
+      const auto corners = part.input->mesh->element(e);
+      for (std::size_t k = 0; k < 8; ++k) out.nodes[k] = static_cast<std::int32_t>(part.first_node + corners[k]);
+      eroded.push_back(out);
+    }
+  }
+  return eroded;
+}
+
+/// All elements and nodes on rank 0, sorted by id; nodes that nobody holds have id -1. Collective.
+MeasureModel gather_model(const Model& model) {
+  MeasureModel m;
+  for (const PartModel& p : model.parts) {
+    m.parts.push_back(p.input->name);
+    m.initial_mass.push_back(p.initial_mass);
+  }
+  KERF_ASSERT(model.n_nodes <= std::numeric_limits<std::int32_t>::max(), "measures number nodes in 32 bits");
+  if (model.rank() == 0) {
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
+      m.nodes.resize(m.nodes.size() + static_cast<std::size_t>(model.parts[p].n_nodes),
+                     {-1, static_cast<int>(p), true, 0.0, {}, {}, {}});
+    for (std::size_t n = 0; n < m.nodes.size(); ++n)
+      m.nodes[n].reference = reference_position(model, static_cast<std::int64_t>(n));
+    m.elements.resize(static_cast<std::size_t>(model.n_elements), {-1, -1, 0.0, {}});
+  }
+  take_on_root<NodeRecord>(
+      model, [](const Model& all, const auto& take) { each_node(all, take); },
+      [&](const NodeRecord& n) {
+        m.nodes[static_cast<std::size_t>(n.id)] = {n.id,
+                                                   n.part,
+                                                   n.free != 0,
+                                                   n.mass,
+                                                   m.nodes[static_cast<std::size_t>(n.id)].reference,
+                                                   {n.position[0], n.position[1], n.position[2]},
+                                                   {n.velocity[0], n.velocity[1], n.velocity[2]}};
+      });
+  take_on_root<FlatElement>(
+      model, [](const Model& all, const auto& take) { each_element(all, take); },
+      [&](const FlatElement& e) {
+        MeasureModel::Element& out = m.elements[static_cast<std::size_t>(e.id)];
+        out = {e.id, static_cast<int>(e.part), e.mass, {}};
+        for (int k = 0; k < 8; ++k) out.nodes[k] = static_cast<std::int32_t>(e.nodes[k]);
+      });
+  if (model.rank() == 0) m.eroded = eroded_elements(model, m);
+  std::erase_if(m.elements, [](const MeasureModel::Element& e) { return e.id < 0; });
+  return m;
+}
+
+/// What elements have turned into heat by plastic flow: their internal energy, without what they started with and
+/// without the bulk viscosity's share, less what they hold elastically and would give back. That is, with the
+/// undeformed moduli, |s|^2 / (4 G) times the volume, and the work of compression from the pressure p0 that the
+/// material started with, p0 (V0 - V) + (p - p0)^2 V / (2 K). A fluid gives back all that was done on it. Eroded
+/// elements have taken with them what they held, less what they started with. Collective.
+double dissipated_by_elements(const Model& model, double eroded) {
+  std::vector<double> dissipated;
+  double eroded_from_start = 0.0;
+  for (const PartModel& part : model.parts) {
+    const PartStore& store = *part.store;
+    std::vector<double> mass;
+    for (int s = 0; s < store.n_slots(); ++s) {
+      if (!store.live(s)) continue;
+      mass.push_back(store.field(PartStore::mass).at(s, 0));
+      if (!(part.shear_modulus > 0.0)) continue;
+      const auto field = [&](PartStore::FieldIndex f, int c = 0) { return store.field(f).at(s, c); };
+      double square = 0.0;
+      for (int c = 0; c < 6; ++c)
+        square += (c < 3 ? 1.0 : 2.0) * field(PartStore::deviator, c) * field(PartStore::deviator, c);
+      const double rise = field(PartStore::pressure) - part.initial_pressure, volume = field(PartStore::volume);
+      double elastic = square / (4.0 * part.shear_modulus) * volume +
+                       part.initial_pressure * (mass.back() / part.material->density - volume);
+      if (part.bulk_modulus > 0.0) elastic += rise * rise / (2.0 * part.bulk_modulus) * volume;
+      const double held = field(PartStore::internal_energy) - field(PartStore::viscous_energy);
+      dissipated.push_back(std::max(held - std::max(elastic, 0.0), 0.0));
+    }
+    eroded_from_start += part.initial_energy * (part.initial_mass - order_free_sum(model.comm, mass));
+  }
+  return order_free_sum(model.comm, dissipated) + std::max(eroded - eroded_from_start, 0.0);
+}
+
+/// A sentence where hourglass control has taken more than a tenth of what was dissipated, and more than a hundredth of
+/// what there was.
+void warn_of_hourglass_share(Summary& s) {
+  const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
+  if (!(s.hourglass.share() > 0.1) || !(s.hourglass.energy > 0.01 * present)) return;
+  s.warnings.push_back(fmt::format(
+      "warning: hourglass control took {:.0f} % of all energy that was dissipated; expected less than 10 %: refine the "
+      "mesh, spread concentrated loads, or choose another form of hourglass control or another hourglass_coefficient",
+      100.0 * s.hourglass.share()));
+}
+
+/// A sentence for each law that has given more than a thousandth of what there was to the nodes.
+void warn_of_gains(Summary& s) {
+  const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
+  if (s.energy.contact_given_back > 1e-3 * present)
+    s.warnings.push_back(
+        fmt::format("warning: contact has given {:.4g} J more to the nodes than it has taken, which is wrong by as "
+                    "much; try a smaller "
+                    "time.safety_factor, damping: 1, or cells of like size where bodies meet",
+                    s.energy.contact_given_back));
+  if (s.energy.hourglass_given_back > 1e-3 * present)
+    s.warnings.push_back(fmt::format(
+        "warning: hourglass control has given {:.4g} J more to the nodes than it has taken, which is wrong by as much; "
+        "choose hourglass: viscous for soft or badly deformed parts",
+        s.energy.hourglass_given_back));
+}
+
+void warn_of_nodes_let_go(Summary& s) {
+  if (s.contact_let_go.nodes == 0) return;
+  s.warnings.push_back(
+      fmt::format("warning: contact has let go of {} nodes, up to {:.4g} m deep, the first at {:.6g} s",
+                  s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time));
+}
+
+std::string number_or_null(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
+
+/// The measures, and below them why some are not known; equal reasons are told once.
+std::string table_of_measures(const Summary& s) {
+  std::string text = s.measures.empty() ? "" : "\nmeasures\n";
+  for (const auto& [name, value] : s.measures) text += fmt::format("  {:<32}{:>14}\n", name, number_or_null(value));
+  std::map<std::string, std::vector<std::string>> by_reason;
+  for (const auto& [name, reason] : s.not_measured) by_reason[reason].push_back(name);
+  for (const auto& [reason, names] : by_reason)
+    text += fmt::format("  null: {} ({})\n", reason, fmt::join(names, ", "));
+  return text;
+}
+
+}  // namespace
+
+Summary Reporter::summarise(const std::string& exit) {
+  const Model& model = simulation_.model();
+  Summary s;
+  s.kerf_version = KERF_VERSION;
+  s.input = settings_.input_name;
+  s.title = model.input->title;
+  s.precision = model.input->precision;
+  s.ranks = model.n_ranks();
+  s.cycles = simulation_.clock().cycle();
+  s.end_time = simulation_.clock().time();
+  // The run proper: set-up and output are in the timers.
+  const double elapsed = MPI_Wtime() - start_seconds_;
+  s.wall_seconds = elapsed - simulation_.timers().seconds("output");
+  s.element_cycles = sum_of(model.comm, simulation_.element_cycles());
+  const std::int64_t done_now = s.element_cycles - sum_of(model.comm, first_element_cycles_);
+  s.element_cycles_per_second = s.wall_seconds > 0.0 ? static_cast<double>(done_now) / s.wall_seconds : 0.0;
+  s.state_hash = state_hash(model);
+  s.exit = exit;
+  const Balance& b = last_;
+  s.energy = {simulation_.ledger().initial_energy,
+              b.kinetic,
+              b.internal,
+              b.hourglass,
+              b.bulk_viscosity,
+              b.contact,
+              b.external,
+              b.eroded,
+              b.error,
+              b.friction,
+              b.given_back,
+              b.hourglass_given_back};
+  s.contact_let_go = {b.let_go.nodes,
+                      static_cast<double>(b.let_go.mass) * simulation_.ledger().mass_quantum,
+                      b.let_go.deepest,
+                      b.let_go.nodes > 0 ? b.let_go.first_time : std::numeric_limits<double>::quiet_NaN(),
+                      {}};
+  for (std::size_t p = 0; p < b.let_go.by_part.size(); ++p)
+    if (b.let_go.by_part[p] > 0) s.contact_let_go.by_part[model.parts[p].input->name] = b.let_go.by_part[p];
+  s.hourglass.energy = b.hourglass;
+  s.hourglass.dissipated =
+      dissipated_by_elements(model, b.eroded) + b.hourglass + b.bulk_viscosity + std::max(0.0, b.contact);
+  s.momentum.initial = triple(simulation_.ledger().initial_momentum);
+  s.momentum.final = triple(b.momentum);
+  s.momentum.eroded = triple(b.dropped_momentum);
+  s.momentum.external_impulse = triple(b.impulse);
+  s.mass = {simulation_.ledger().initial_mass, b.live_mass, b.free_mass, b.dropped_mass};
+  std::vector<std::int64_t> counts = eroded_by_;
+  MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_INT64_T, MPI_SUM, model.comm);
+  s.eroded.elements = b.eroded_elements;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    std::int64_t& of_part = s.eroded.by_part[model.parts[p].input->name];
+    if (!model.parts[p].material->erosion) continue;
+    const auto& criteria = model.parts[p].material->erosion->criteria;
+    for (std::size_t c = 0; c < criteria.size(); ++c) {
+      of_part += counts[8 * p + c];
+      s.eroded.by_criterion[criteria[c]->type] += counts[8 * p + c];
+    }
+  }
+  s.warnings = simulation_.warnings();
+  s.first_end_warning = s.warnings.size();
+  warn_of_hourglass_share(s);
+  warn_of_gains(s);
+  warn_of_nodes_let_go(s);
+  add_parts(s);
+  add_measures(s);
+  add_timers(s);
+  for (const RebalanceRecord& r : simulation_.balancer().records())
+    s.rebalances.push_back({r.cycle, r.imbalance_before, r.imbalance_after, r.elements_moved, r.seconds});
+  return s;
+}
+
+void Reporter::add_parts(Summary& summary) {
+  const Model& model = simulation_.model();
+  const NodeStore& nodes = model.nodes;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartStore& store = *model.parts[p].store;
+    std::vector<double> element_mass, mass, kinetic, momentum[3];
+    for (int s = 0; s < store.n_slots(); ++s)
+      if (store.live(s)) element_mass.push_back(store.field(PartStore::mass).at(s, 0));
+    for (int i = 0; i < nodes.n(); ++i) {
+      if (!nodes.owned[i] || nodes.part[i] != static_cast<int>(p) || nodes.free[i]) continue;
+      const Vec3 v = nodes.v(i);
+      mass.push_back(nodes.mass[i]);
+      kinetic.push_back(0.5 * nodes.mass[i] * dot(v, v));
+      for (int d = 0; d < 3; ++d) momentum[d].push_back(nodes.mass[i] * v[d]);
+    }
+    Summary::Part& out = summary.parts[model.parts[p].input->name];
+    out.elements = model.parts[p].n_elements;
+    out.alive = sum_of(model.comm, store.n_live());
+    out.mass = order_free_sum(model.comm, element_mass);
+    out.kinetic = order_free_sum(model.comm, kinetic);
+    const double moving = order_free_sum(model.comm, mass);
+    for (int d = 0; d < 3; ++d) {
+      const double total = order_free_sum(model.comm, momentum[d]);
+      out.velocity[d] = moving > 0.0 ? total / moving : std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
+void Reporter::add_measures(Summary& summary) {
+  if (input_.measures.empty()) return;
+  const MeasureModel model = gather_model(simulation_.model());
+  if (!root()) return;
+  for (const auto& m : input_.measures)
+    for (const auto& [name, value, reason] : m->evaluate(model)) {
+      const std::string full = name.empty() ? m->label : m->label + "." + name;
+      summary.measures[full] = value;
+      if (!std::isfinite(value)) summary.not_measured[full] = reason;
+    }
+}
+
+void Reporter::add_timers(Summary& summary) {
+  for (const char* phase :
+       {"setup", "elements", "nodes", "contact_search", "contact_forces", "halo", "erosion", "rebalance", "output"}) {
+    const double mine = simulation_.timers().seconds(phase);
+    double sum = mine;
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, simulation_.model().comm);
+    summary.timers[phase] = {least(simulation_.model().comm, mine), sum / simulation_.model().n_ranks(),
+                             greatest(simulation_.model().comm, mine)};
+  }
+}
+
+std::string Reporter::table_of(const Summary& s) const {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "\n{}: {} cycles to {:.6g} s, {} rank{}, {:.2f} s ({:.3f} million element cycles per second)\n",
+                 s.exit, s.cycles, s.end_time, s.ranks, s.ranks == 1 ? "" : "s", s.wall_seconds,
+                 s.element_cycles_per_second * 1e-6);
+  fmt::format_to(out, "state hash {}\n\nenergy [J]\n", s.state_hash);
+  const std::pair<const char*, double> rows[] = {{"initial", s.energy.initial},
+                                                 {"kinetic", s.energy.kinetic},
+                                                 {"internal", s.energy.internal},
+                                                 {"hourglass", s.energy.hourglass},
+                                                 {"bulk viscosity", s.energy.bulk_viscosity},
+                                                 {"contact", s.energy.contact},
+                                                 {"  by friction", s.energy.friction},
+                                                 {"external work", s.energy.external},
+                                                 {"eroded", s.energy.eroded}};
+  for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
+  fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
+  fmt::format_to(out, "  {:<16}{:>15.2f} %\n", "hourglass share", 100.0 * s.hourglass.share());
+  for (std::size_t k = s.first_end_warning; k < s.warnings.size(); ++k) fmt::format_to(out, "{}\n", s.warnings[k]);
+  fmt::format_to(out, "\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
+  for (const auto& [name, p] : s.parts)
+    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14}\n", name, p.elements, p.alive, p.mass,
+                   number_or_null(norm({p.velocity[0], p.velocity[1], p.velocity[2]})));
+  if (s.eroded.elements > 0) {
+    fmt::format_to(out, "\neroded by");
+    for (const auto& [name, n] : s.eroded.by_criterion) fmt::format_to(out, "  {} {}", name, n);
+    fmt::format_to(out, "\n");
+  }
+  fmt::format_to(out, "{}", table_of_measures(s));
+  fmt::format_to(out, "\ntime [s]\n");
+  for (const auto& [name, t] : s.timers) fmt::format_to(out, "  {:<16}{:>10.3f}\n", name, t.mean);
+  fmt::format_to(out, "output in {}\n", settings_.folder);
+  return fmt::to_string(text);
+}
+
+}  // namespace kerf

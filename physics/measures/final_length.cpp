@@ -1,0 +1,34 @@
+// Extent of a part along an axis, for bodies that stay whole: the Taylor bar's final length.
+#include "kerf/plugin.hpp"
+#include "support/geometry.hpp"
+
+namespace kerf {
+namespace {
+
+class FinalLength final : public Measure {
+ public:
+  static void describe(Schema<FinalLength>& s) {
+    s.text(&FinalLength::part, "part", "part that is measured");
+    s.vector(&FinalLength::axis, "axis", "-", any_value, "direction along which the length is taken");
+    s.rule("axis", "the axis must not have zero length", [](const FinalLength& m) { return norm(m.axis) > 0.0; });
+  }
+
+  std::vector<std::string> references() const override { return {part}; }
+
+  MeasuredValues evaluate(const MeasureModel& model) const override {
+    const int number = measured_part(model, part, *this);
+    std::vector<std::int32_t> nodes;
+    for (std::size_t n = 0; n < model.nodes.size(); ++n)
+      if (model.nodes[n].part == number && !model.nodes[n].free) nodes.push_back(static_cast<std::int32_t>(n));
+    return {value_of_remnant(extent_along(model, nodes, unit(axis)), part)};
+  }
+
+  std::string part;
+  Vec3 axis;
+};
+
+}  // namespace
+}  // namespace kerf
+
+KERF_REGISTER(KERF_TYPE(kerf::FinalLength, "measure", "final_length",
+                        "extent along an axis of all nodes of a part that belong to live elements [m]"))

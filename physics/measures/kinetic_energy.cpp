@@ -1,0 +1,29 @@
+// Kinetic energy of all nodes of a part, those without live elements included.
+#include "kerf/plugin.hpp"
+#include "support/geometry.hpp"
+
+namespace kerf {
+namespace {
+
+class KineticEnergy final : public Measure {
+ public:
+  static void describe(Schema<KineticEnergy>& s) { s.text(&KineticEnergy::part, "part", "part that is measured"); }
+
+  std::vector<std::string> references() const override { return {part}; }
+
+  MeasuredValues evaluate(const MeasureModel& model) const override {
+    const int number = measured_part(model, part, *this);
+    if (!any_node_left(model, number)) return {unknown("", no_node_left(part))};
+    double energy = 0.0;
+    for (const MeasureModel::Node& n : model.nodes)
+      if (n.part == number) energy += 0.5 * n.mass * dot(n.velocity, n.velocity);
+    return {{"", energy}};
+  }
+
+  std::string part;
+};
+
+}  // namespace
+}  // namespace kerf
+
+KERF_REGISTER(KERF_TYPE(kerf::KineticEnergy, "measure", "kinetic_energy", "kinetic energy of all nodes of a part [J]"))

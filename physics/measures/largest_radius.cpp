@@ -1,0 +1,94 @@
+// Largest distance of a part from an axis, over all of it or in one section: the Taylor bar's mushroom and waist.
+#include <cmath>
+
+#include "kerf/plugin.hpp"
+#include "support/geometry.hpp"
+
+namespace kerf {
+namespace {
+
+constexpr int hexahedron_edges[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                         {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+
+class LargestRadius final : public Measure {
+ public:
+  static void describe(Schema<LargestRadius>& s) {
+    s.text(&LargestRadius::part, "part", "part that is measured");
+    s.vector(&LargestRadius::axis, "axis", "-", any_value,
+             "direction of the axis, from the end at which heights are zero");
+    s.vector(&LargestRadius::point, "point", "m", any_value, "a point on the axis").by_default("[0, 0, 0]");
+    s.real(&LargestRadius::at_height, "at_height", "-", fraction,
+           "measure the section at this height above the lower end, as a fraction of the part's initial length; "
+           "all of the part where absent")
+        .optional();
+    s.rule("axis", "the axis must not have zero length", [](const LargestRadius& m) { return norm(m.axis) > 0.0; });
+  }
+
+  std::vector<std::string> references() const override { return {part}; }
+
+  MeasuredValues evaluate(const MeasureModel& model) const override {
+    const int number = measured_part(model, part, *this);
+    const Vec3 a = unit(axis);
+    const Vec3 across = unit(cross(a, std::fabs(a.x) < 0.6 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0}));
+    const Vec3 directions[3] = {a, across, cross(a, across)};
+    Range undeformed[3], now[3];
+    for (const MeasureModel::Node& n : model.nodes) {
+      if (n.part != number) continue;
+      for (int d = 0; d < 3; ++d) {
+        undeformed[d].add(dot(n.reference - point, directions[d]));
+        if (!n.free) now[d].add(dot(n.position - point, directions[d]));
+      }
+    }
+    if (!(now[0].high >= now[0].low)) return {unknown("", nothing_left(part))};
+    if (!(undeformed[1].holds_zero() && undeformed[2].holds_zero()) && !(now[1].holds_zero() && now[2].holds_zero()))
+      return {unknown("", "the axis does not pass through part " + part + "; look at `axis` and `point`")};
+    const double height = now[0].low + dot(point, a) + at_height * (undeformed[0].high - undeformed[0].low);
+    double largest = -1.0;
+    for (const MeasureModel::Element& e : model.elements) {
+      if (e.part != number) continue;
+      for (const auto& edge : hexahedron_edges) {
+        const Vec3 p = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[0])])].position;
+        const Vec3 q = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[1])])].position;
+        largest = max_of(largest, at_height < 0.0 ? max_of(radius(p, a), radius(q, a)) : radius_at(p, q, a, height));
+      }
+    }
+    if (largest < 0.0) return {unknown("", "part " + part + " has become too short to reach `at_height`")};
+    return {{"", largest}};
+  }
+
+  std::string part;
+  Vec3 axis, point;
+  double at_height = -1.0;  // negative where absent
+
+ private:
+  /// Coordinates of the part along a direction, from `point` [m].
+  struct Range {
+    double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+    void add(double s) {
+      low = min_of(low, s);
+      high = max_of(high, s);
+    }
+    /// The axis may lie on the part's side, as that of a quarter of a bar does. A thousandth of the width is far below
+    /// a cell, and far above the error of an axis that is given to four digits.
+    bool holds_zero() const { return low <= 1e-3 * (high - low) && high >= -1e-3 * (high - low); }
+  };
+
+  double radius(Vec3 x, Vec3 a) const {
+    const Vec3 d = x - point;
+    return norm(d - dot(d, a) * a);
+  }
+  /// Radius where an edge crosses the section; -1 where it does not.
+  double radius_at(Vec3 p, Vec3 q, Vec3 a, double height) const {
+    const double below = height - dot(p, a), above = dot(q, a) - height;
+    if (below * above < 0.0) return -1.0;
+    const double length = below + above;
+    if (length == 0.0) return max_of(radius(p, a), radius(q, a));  // the edge lies in the section
+    return radius(p + (below / length) * (q - p), a);
+  }
+};
+
+}  // namespace
+}  // namespace kerf
+
+KERF_REGISTER(KERF_TYPE(kerf::LargestRadius, "measure", "largest_radius",
+                        "largest distance of a part's live elements from an axis [m]"))
