@@ -335,7 +335,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
 }
 
 void ContactEngine::search(Model& model, const Step& step) {
-  std::vector<ExteriorFacet> exterior = model.surface.exterior(model);
+  std::vector<ExteriorFacet> exterior = model.surface.exterior(model.surface_mesh());
   drop_mirrored(model, exterior);
   const std::vector<std::int32_t> surface = surface_nodes(model, exterior);
   choose_frames(model, surface);
@@ -373,7 +373,7 @@ bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_l
     stray[tracked_[k].node] = 1;
     add_slave(model, static_cast<std::size_t>(k), slaves);
   }
-  std::vector<ExteriorFacet> round = model.surface.exterior_round(model, stray);
+  std::vector<ExteriorFacet> round = model.surface.exterior_round(model.surface_mesh(), stray);
   drop_mirrored(model, round);
   std::vector<ContactFacetRecord> facets = collect_facets(model, round);
   if (model.n_ranks() > 1) {

@@ -331,7 +331,7 @@ void Simulation::erode(const Step& step) {
     eroded_now_ = erosion_->erode(model_, step, ledger_);
     erosion_->update_free_nodes(model_);
     for (const ErosionRecord& r : eroded_now_) dead.push_back(r.element);
-    opened = model_.surface.opened_by(model_, erosion_->retired());
+    opened = model_.surface.opened_by(model_.surface_mesh(), erosion_->retired());
   }
   {
     const auto scope = timers_.measure("contact_search");

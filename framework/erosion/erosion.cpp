@@ -71,7 +71,7 @@ void Erosion::update_free_nodes(Model& model) {
     nodes.free[i] = 1;
     may_have_free_nodes_ = true;
   }
-  model.surface.update(model);
+  model.surface.update(model.surface_mesh());
 }
 
 void Erosion::drop_free_nodes(Model& model, Ledger& ledger) {
@@ -128,7 +128,7 @@ void Erosion::compact(Model& model) {
   if (model.n_live_local() * 50 > slots * 49) return;
   std::vector<std::vector<std::int32_t>> moved;
   for (PartModel& part : model.parts) moved.push_back(part.store->compact());
-  model.surface.compact(model, moved);
+  model.surface.compact(model.surface_mesh(), moved);
 }
 
 }  // namespace kerf

@@ -34,7 +34,7 @@ std::vector<std::vector<std::uint8_t>> count_exposed_faces(Model& model) {
         return true;
     return false;
   };
-  for (const ExteriorFacet& f : model.surface.exterior(model)) {
+  for (const ExteriorFacet& f : model.surface.exterior(model.surface_mesh())) {
     const Vec3 across = cross(model.nodes.x(f.nodes[2]) - model.nodes.x(f.nodes[0]),
                               model.nodes.x(f.nodes[3]) - model.nodes.x(f.nodes[1]));
     const Vec3 normal = across * (1.0 / norm(across));

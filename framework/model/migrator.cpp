@@ -156,7 +156,7 @@ void assemble(Model& model, ModelBundle&& bundle) {
   }
   model.index_nodes();
   build_ghost_plan(model);
-  model.surface.build(model);
+  model.surface.build(model.surface_mesh());
 }
 
 std::int64_t migrate(Model& model, const std::vector<int>& owners) {

@@ -56,6 +56,8 @@ struct Model {
   std::unique_ptr<ExchangePlan> ghost_plan;  // owner to ghosts; null on one rank
   Surface surface;
 
+  /// The part of the model that the surface reads.
+  SurfaceMesh surface_mesh() const { return {parts, nodes, ghosts, ghost_plan.get(), comm, rank_}; }
   int n_ranks() const { return n_ranks_; }
   int rank() const { return rank_; }
   void set_comm(MPI_Comm c) {

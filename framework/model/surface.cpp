@@ -17,8 +17,8 @@ std::array<std::int32_t, 4> face_nodes(const PartStore& store, int slot, int fac
           store.node(slot, hex_face[face][3])};
 }
 
-ExteriorFacet facet(const Model& model, std::int32_t part, std::int32_t slot, std::int32_t face) {
-  return {part, slot, face, face_nodes(*model.parts[part].store, slot, face)};
+ExteriorFacet facet(const SurfaceMesh& mesh, std::int32_t part, std::int32_t slot, std::int32_t face) {
+  return {part, slot, face, face_nodes(*mesh.parts[part].store, slot, face)};
 }
 
 struct FaceKey {
@@ -28,9 +28,9 @@ struct FaceKey {
 
 }  // namespace
 
-void Surface::build(const Model& model) {
+void Surface::build(const SurfaceMesh& mesh) {
   offset_.assign(1, 0);
-  for (const PartModel& p : model.parts) offset_.push_back(offset_.back() + p.store->n_slots());
+  for (const PartModel& p : mesh.parts) offset_.push_back(offset_.back() + p.store->n_slots());
   neighbour_.assign(static_cast<std::size_t>(offset_.back()), {none, none, none, none, none, none});
   remote_id_.clear();
   remote_rank_.clear();
@@ -40,15 +40,15 @@ void Surface::build(const Model& model) {
   exterior_.clear();
   plan_.reset();
   std::vector<std::int64_t> open;
-  match_local(model, open);
-  if (model.n_ranks() > 1) match_remote(model, open);
+  match_local(mesh, open);
+  if (mesh.is_parallel()) match_remote(mesh, open);
 }
 
-void Surface::match_local(const Model& model, std::vector<std::int64_t>& open) {
-  std::vector<std::int32_t> first(static_cast<std::size_t>(model.nodes.n()) + 2, 0);
+void Surface::match_local(const SurfaceMesh& mesh, std::vector<std::int64_t>& open) {
+  std::vector<std::int32_t> first(static_cast<std::size_t>(mesh.nodes.n()) + 2, 0);
   const auto each_face = [&](auto&& visit) {
-    for (std::size_t p = 0; p < model.parts.size(); ++p) {
-      const PartStore& store = *model.parts[p].store;
+    for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+      const PartStore& store = *mesh.parts[p].store;
       for (int s = 0; s < store.n_slots(); ++s) {
         if (!store.live(s)) continue;
         for (int f = 0; f < 6; ++f) {
@@ -64,7 +64,7 @@ void Surface::match_local(const Model& model, std::vector<std::int64_t>& open) {
   std::vector<FaceKey> keys(static_cast<std::size_t>(first.back()));
   std::vector<std::int32_t> next(first.begin(), first.end());
   each_face([&](const auto& n, std::int32_t e, int f) { keys[next[n[0]]++] = {n[1], n[2], n[3], e, f}; });
-  for (int node = 0; node < model.nodes.n(); ++node)
+  for (int node = 0; node < mesh.nodes.n(); ++node)
     for (std::int32_t i = first[node]; i < first[node + 1]; ++i) {
       const FaceKey& a = keys[i];
       std::int32_t& mine = neighbour_[a.element][a.face];
@@ -80,11 +80,11 @@ void Surface::match_local(const Model& model, std::vector<std::int64_t>& open) {
     }
 }
 
-void Surface::match_remote(const Model& model, const std::vector<std::int64_t>& open) {
+void Surface::match_remote(const SurfaceMesh& mesh, const std::vector<std::int64_t>& open) {
   // Only a face all of whose nodes are shared can have its other side elsewhere.
-  std::vector<char> shared(static_cast<std::size_t>(model.nodes.n()), 0);
-  for (const std::int32_t g : model.ghosts) shared[g] = 1;
-  for (const std::int32_t s : model.ghost_plan->sources()) shared[s] = 1;
+  std::vector<char> shared(static_cast<std::size_t>(mesh.nodes.n()), 0);
+  for (const std::int32_t g : mesh.ghosts) shared[g] = 1;
+  for (const std::int32_t s : mesh.ghost_plan->sources()) shared[s] = 1;
   std::vector<OpenFace> faces;
   std::vector<std::int64_t> where;
   std::size_t part = 0;
@@ -92,14 +92,14 @@ void Surface::match_remote(const Model& model, const std::vector<std::int64_t>& 
     const auto element = static_cast<std::int32_t>(code / 8);
     const int face = static_cast<int>(code % 8);
     part = static_cast<std::size_t>(std::upper_bound(offset_.begin(), offset_.end(), element) - offset_.begin()) - 1;
-    const PartStore& store = *model.parts[part].store;
+    const PartStore& store = *mesh.parts[part].store;
     const int slot = element - offset_[part];
     OpenFace f;
     bool all = true;
     const auto n = face_nodes(store, slot, face);
     for (int k = 0; k < 4; ++k) {
       all = all && shared[n[k]] != 0;
-      f.nodes[k] = model.nodes.id[n[k]];
+      f.nodes[k] = mesh.nodes.id[n[k]];
     }
     if (!all) continue;
     std::sort(f.nodes.begin(), f.nodes.end());
@@ -107,7 +107,7 @@ void Surface::match_remote(const Model& model, const std::vector<std::int64_t>& 
     faces.push_back(f);
     where.push_back(code);
   }
-  const auto found = match_faces(model.comm, faces);
+  const auto found = match_faces(mesh.comm, faces);
   std::unordered_map<std::int64_t, std::int32_t> number;
   std::vector<Needed> needed;
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -125,40 +125,40 @@ void Surface::match_remote(const Model& model, const std::vector<std::int64_t>& 
   std::unordered_map<std::int64_t, std::int32_t> local;
   for (std::size_t i = 0; i < found.size(); ++i)
     if (found[i].element >= 0) local.emplace(faces[i].element, static_cast<std::int32_t>(where[i] / 8));
-  plan_ = std::make_unique<ExchangePlan>(model.comm, needed, [&](std::int64_t id) { return local.at(id); });
+  plan_ = std::make_unique<ExchangePlan>(mesh.comm, needed, [&](std::int64_t id) { return local.at(id); });
   remote_alive_.assign(remote_id_.size(), 1);
 }
 
-void Surface::update(const Model& model) {
+void Surface::update(const SurfaceMesh& mesh) {
   known_ = known_ == Known::all ? Known::all_but_last_deaths : Known::nothing;
   tidy_ = false;
-  if (model.n_ranks() == 1 || !plan_) return;
+  if (!mesh.is_parallel() || !plan_) return;
   alive_.assign(neighbour_.size(), 0);
-  for (std::size_t p = 0; p < model.parts.size(); ++p)
-    for (int s = 0; s < model.parts[p].store->n_slots(); ++s)
-      alive_[offset_[p] + s] = model.parts[p].store->live(s) ? 1 : 0;
+  for (std::size_t p = 0; p < mesh.parts.size(); ++p)
+    for (int s = 0; s < mesh.parts[p].store->n_slots(); ++s)
+      alive_[offset_[p] + s] = mesh.parts[p].store->live(s) ? 1 : 0;
   const std::vector<std::int64_t> before = remote_alive_;
   plan_->pull(alive_.data(), 1, remote_alive_.data(), 1, 1);
   remote_died_.assign(before.size(), 0);
   for (std::size_t r = 0; r < before.size(); ++r) remote_died_[r] = before[r] != 0 && remote_alive_[r] == 0 ? 1 : 0;
 }
 
-std::vector<ExteriorFacet> Surface::opened_by(const Model& model, const std::vector<ExteriorFacet>& retired) {
+std::vector<ExteriorFacet> Surface::opened_by(const SurfaceMesh& mesh, const std::vector<ExteriorFacet>& retired) {
   std::vector<ExteriorFacet> opened;
   for (const ExteriorFacet& r : retired) {
     const std::int32_t dead = offset_[r.part] + r.slot;
     for (const std::int32_t n : neighbour_[dead]) {
-      if (n < 0 || !model.parts[r.part].store->live(n - offset_[r.part])) continue;
+      if (n < 0 || !mesh.parts[r.part].store->live(n - offset_[r.part])) continue;
       for (std::int32_t face = 0; face < 6; ++face)
-        if (neighbour_[n][face] == dead) opened.push_back(facet(model, r.part, n - offset_[r.part], face));
+        if (neighbour_[n][face] == dead) opened.push_back(facet(mesh, r.part, n - offset_[r.part], face));
     }
   }
   for (const RemoteFace& f : remote_faces_) {
     if (remote_died_.empty() || remote_died_[f.remote] == 0) continue;
     const auto part =
         static_cast<std::int32_t>(std::upper_bound(offset_.begin(), offset_.end(), f.element) - offset_.begin()) - 1;
-    if (model.parts[part].store->live(f.element - offset_[part]))
-      opened.push_back(facet(model, part, f.element - offset_[part], f.face));
+    if (mesh.parts[part].store->live(f.element - offset_[part]))
+      opened.push_back(facet(mesh, part, f.element - offset_[part], f.face));
   }
   if (known_ == Known::all_but_last_deaths) {
     exterior_.insert(exterior_.end(), opened.begin(), opened.end());
@@ -167,13 +167,13 @@ std::vector<ExteriorFacet> Surface::opened_by(const Model& model, const std::vec
   return opened;
 }
 
-void Surface::compact(const Model& model, const std::vector<std::vector<std::int32_t>>& moved) {
+void Surface::compact(const SurfaceMesh& mesh, const std::vector<std::vector<std::int32_t>>& moved) {
   std::vector<std::int32_t> number(neighbour_.size(), none);
   std::vector<std::int32_t> offset(1, 0);
-  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+  for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
     for (std::size_t s = 0; s < moved[p].size(); ++s)
       if (moved[p][s] >= 0) number[offset_[p] + static_cast<std::int32_t>(s)] = offset.back() + moved[p][s];
-    offset.push_back(offset.back() + model.parts[p].store->n_slots());
+    offset.push_back(offset.back() + mesh.parts[p].store->n_slots());
   }
   std::vector<std::array<std::int32_t, 6>> kept(static_cast<std::size_t>(offset.back()));
   for (std::size_t e = 0; e < neighbour_.size(); ++e) {
@@ -198,22 +198,22 @@ void Surface::compact(const Model& model, const std::vector<std::vector<std::int
   }
 }
 
-bool Surface::open_face(const Model& model, int part, std::int32_t element, int face) const {
+bool Surface::open_face(const SurfaceMesh& mesh, int part, std::int32_t element, int face) const {
   const std::int32_t n = neighbour_[element][face];
   if (n == none) return true;
   if (n <= first_remote) return remote_alive_[first_remote - n] == 0;
-  return !model.parts[part].store->live(n - offset_[part]);  // faces are shared within a part only
+  return !mesh.parts[part].store->live(n - offset_[part]);  // faces are shared within a part only
 }
 
-void Surface::find_exterior(const Model& model) {
+void Surface::find_exterior(const SurfaceMesh& mesh) {
   exterior_.clear();
-  for (std::size_t p = 0; p < model.parts.size(); ++p) {
-    const PartStore& store = *model.parts[p].store;
+  for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+    const PartStore& store = *mesh.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
       for (int f = 0; f < 6; ++f)
-        if (open_face(model, static_cast<int>(p), offset_[p] + s, f))
-          exterior_.push_back(facet(model, static_cast<std::int32_t>(p), s, f));
+        if (open_face(mesh, static_cast<int>(p), offset_[p] + s, f))
+          exterior_.push_back(facet(mesh, static_cast<std::int32_t>(p), s, f));
     }
   }
   n_sorted_ = exterior_.size();
@@ -221,13 +221,13 @@ void Surface::find_exterior(const Model& model) {
   tidy_ = true;
 }
 
-const std::vector<ExteriorFacet>& Surface::exterior(const Model& model) {
+const std::vector<ExteriorFacet>& Surface::exterior(const SurfaceMesh& mesh) {
   if (known_ != Known::all) {
-    find_exterior(model);
+    find_exterior(mesh);
     return exterior_;
   }
   if (tidy_) return exterior_;
-  const auto dead = [&](const ExteriorFacet& f) { return !model.parts[f.part].store->live(f.slot); };
+  const auto dead = [&](const ExteriorFacet& f) { return !mesh.parts[f.part].store->live(f.slot); };
   const auto tail = exterior_.begin() + static_cast<std::ptrdiff_t>(n_sorted_);
   std::sort(tail, exterior_.end());
   std::inplace_merge(exterior_.begin(), tail, exterior_.end());
@@ -237,17 +237,17 @@ const std::vector<ExteriorFacet>& Surface::exterior(const Model& model) {
   return exterior_;
 }
 
-std::vector<ExteriorFacet> Surface::exterior_round(const Model& model, const std::vector<char>& marked) {
-  if (known_ != Known::all) find_exterior(model);
+std::vector<ExteriorFacet> Surface::exterior_round(const SurfaceMesh& mesh, const std::vector<char>& marked) {
+  if (known_ != Known::all) find_exterior(mesh);
   std::vector<ExteriorFacet> round;
   for (const ExteriorFacet& f : exterior_) {
     if ((marked[f.nodes[0]] | marked[f.nodes[1]] | marked[f.nodes[2]] | marked[f.nodes[3]]) == 0) continue;
-    if (tidy_ || model.parts[f.part].store->live(f.slot)) round.push_back(f);
+    if (tidy_ || mesh.parts[f.part].store->live(f.slot)) round.push_back(f);
   }
   return round;
 }
 
-void Surface::neighbours(const Model& model, int part, int slot, std::vector<std::int64_t>& ids,
+void Surface::neighbours(const SurfaceMesh& mesh, int part, int slot, std::vector<std::int64_t>& ids,
                          std::vector<int>& ranks) const {
   for (const std::int32_t n : neighbour_[offset_[part] + slot]) {
     if (n == none) continue;
@@ -257,10 +257,10 @@ void Surface::neighbours(const Model& model, int part, int slot, std::vector<std
       ranks.push_back(remote_rank_[first_remote - n]);
       continue;
     }
-    const PartStore& store = *model.parts[part].store;  // faces are shared within a part only
+    const PartStore& store = *mesh.parts[part].store;  // faces are shared within a part only
     if (!store.live(n - offset_[part])) continue;
     ids.push_back(store.id(n - offset_[part]));
-    ranks.push_back(model.rank());
+    ranks.push_back(mesh.rank);
   }
 }
 

@@ -4,6 +4,8 @@
 // 0..5, nodes counter-clockwise seen from outside.
 #pragma once
 
+#include <mpi.h>
+
 #include <array>
 #include <compare>
 #include <cstdint>
@@ -14,7 +16,8 @@
 
 namespace kerf {
 
-struct Model;
+struct NodeStore;
+struct PartModel;
 
 /// Corners of the six faces of a hexahedron, counter-clockwise seen from outside.
 inline constexpr int hex_face[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
@@ -28,33 +31,44 @@ struct ExteriorFacet {
   auto operator<=>(const ExteriorFacet&) const = default;
 };
 
+/// What the surface reads of the model.
+struct SurfaceMesh {
+  const std::vector<PartModel>& parts;
+  const NodeStore& nodes;
+  const std::vector<std::int32_t>& ghosts;  // local nodes owned by another rank
+  const ExchangePlan* ghost_plan;  // owner to ghosts; null on one rank
+  MPI_Comm comm;
+  int rank;
+  bool is_parallel() const { return ghost_plan != nullptr; }
+};
+
 class Surface {
  public:
   /// Finds all neighbours across faces, on this and other ranks. Collective.
-  void build(const Model& model);
+  void build(const SurfaceMesh& mesh);
   /// After elements were retired: learns which neighbours on other ranks have died. Collective.
-  void update(const Model& model);
+  void update(const SurfaceMesh& mesh);
   /// Faces of live elements of this rank that the retired elements of this rank, and those of other ranks that the last
   /// update() learnt of, had covered. To be asked once after every update, for all that was retired since the one
   /// before. Local.
-  std::vector<ExteriorFacet> opened_by(const Model& model, const std::vector<ExteriorFacet>& retired);
+  std::vector<ExteriorFacet> opened_by(const SurfaceMesh& mesh, const std::vector<ExteriorFacet>& retired);
   /// Those exterior faces that have a corner among the marked nodes, in any order. Local.
-  std::vector<ExteriorFacet> exterior_round(const Model& model, const std::vector<char>& marked);
+  std::vector<ExteriorFacet> exterior_round(const SurfaceMesh& mesh, const std::vector<char>& marked);
   /// Renumbers after a part was compacted; `moved` as returned by PartStore::compact.
-  void compact(const Model& model, const std::vector<std::vector<std::int32_t>>& moved);
+  void compact(const SurfaceMesh& mesh, const std::vector<std::vector<std::int32_t>>& moved);
   /// All exterior faces of live elements of this rank, in the order of the elements. Local.
-  const std::vector<ExteriorFacet>& exterior(const Model& model);
+  const std::vector<ExteriorFacet>& exterior(const SurfaceMesh& mesh);
   /// Neighbours of a live element for graph partitioning: global id and rank of each live neighbour.
-  void neighbours(const Model& model, int part, int slot, std::vector<std::int64_t>& ids,
+  void neighbours(const SurfaceMesh& mesh, int part, int slot, std::vector<std::int64_t>& ids,
                   std::vector<int>& ranks) const;
 
  private:
   static constexpr std::int32_t none = -1;
   static constexpr std::int32_t first_remote = -2;  // code of remote neighbour r is first_remote - r
-  void match_local(const Model& model, std::vector<std::int64_t>& open);
-  void match_remote(const Model& model, const std::vector<std::int64_t>& open);
-  void find_exterior(const Model& model);
-  bool open_face(const Model& model, int part, std::int32_t element, int face) const;
+  void match_local(const SurfaceMesh& mesh, std::vector<std::int64_t>& open);
+  void match_remote(const SurfaceMesh& mesh, const std::vector<std::int64_t>& open);
+  void find_exterior(const SurfaceMesh& mesh);
+  bool open_face(const SurfaceMesh& mesh, int part, std::int32_t element, int face) const;
 
   std::vector<std::int32_t> offset_;  // first element number of each part, and the end
   std::vector<std::array<std::int32_t, 6>> neighbour_;  // element number, none, or a remote code

@@ -267,7 +267,7 @@ double Encounters::time_to_meet(int part, int other) const {
   // Along each ray: how far the first part reaches, and where the other begins and ends, the former with a minus.
   constexpr std::size_t n = std::size_t{n_rays} * n_rays;
   std::vector<double> limits(2 * n, -never);
-  for (const ExteriorFacet& f : model_.surface.exterior(model_)) {
+  for (const ExteriorFacet& f : model_.surface.exterior(model_.surface_mesh())) {
     if (f.part != part && f.part != other) continue;
     std::array<Vec3, 4> quad;
     for (std::size_t k = 0; k < 4; ++k) quad[k] = model_.nodes.x(f.nodes[k]);

@@ -138,7 +138,7 @@ struct SingleLayers {
 
   SingleLayers(Model& model, const Encounters& encounters)
       : n_cells(model.parts.size(), 0), thickness(model.parts.size(), 0.0) {
-    const std::vector<ExteriorFacet>& facets = model.surface.exterior(model);
+    const std::vector<ExteriorFacet>& facets = model.surface.exterior(model.surface_mesh());
     for (std::size_t i = 0; i < facets.size();) {
       const ExteriorFacet& first = facets[i];
       unsigned faces = 0;

@@ -121,7 +121,7 @@ std::set<GlobalFacet> GlobalModel::exterior() const {
 
 std::set<GlobalFacet> gather_exterior(Model& model, std::int64_t& n_listed) {
   std::vector<GlobalFacet> local;
-  for (const ExteriorFacet& f : model.surface.exterior(model))
+  for (const ExteriorFacet& f : model.surface.exterior(model.surface_mesh()))
     local.push_back({model.parts[f.part].store->id(f.slot), f.face});
   const std::vector<GlobalFacet> all = gather_to_root(model.comm, local);
   n_listed = static_cast<std::int64_t>(all.size());

@@ -35,7 +35,7 @@ parts:
 /// Facets round some nodes, asked for while those of dead elements may still be listed, against all facets.
 void expect_true_surface_round(Model& model, std::vector<ExteriorFacet> round, const std::vector<char>& marked,
                                const std::string& when) {
-  std::vector<ExteriorFacet> expected = model.surface.exterior(model);
+  std::vector<ExteriorFacet> expected = model.surface.exterior(model.surface_mesh());
   std::erase_if(expected, [&](const ExteriorFacet& f) {
     return std::none_of(f.nodes.begin(), f.nodes.end(), [&](std::int32_t n) { return marked[n] != 0; });
   });
@@ -48,7 +48,7 @@ void expect_true_surface_round(Model& model, std::vector<ExteriorFacet> round, c
 void expect_true_surface(Model& model, const std::string& when) {
   std::vector<char> marked;
   for (const std::int64_t id : model.nodes.id) marked.push_back(scatter(7, static_cast<std::uint64_t>(id)) < 0.1);
-  expect_true_surface_round(model, model.surface.exterior_round(model, marked), marked, when);
+  expect_true_surface_round(model, model.surface.exterior_round(model.surface_mesh(), marked), marked, when);
   std::int64_t n_listed = 0;
   const std::set<GlobalFacet> listed = gather_exterior(model, n_listed);
   const GlobalModel global = gather_globally(model);
@@ -69,7 +69,7 @@ void expect_true_neighbours(const Model& model, const std::string& when) {
       if (!model.parts[p].store->live(s)) continue;
       std::vector<std::int64_t> ids;
       std::vector<int> ranks;
-      model.surface.neighbours(model, static_cast<int>(p), s, ids, ranks);
+      model.surface.neighbours(model.surface_mesh(), static_cast<int>(p), s, ids, ranks);
       for (std::size_t k = 0; k < ids.size(); ++k)
         links.push_back({model.parts[p].store->id(s), ids[k], ranks[k], model.rank()});
       if (ids.empty()) links.push_back({model.parts[p].store->id(s), -1, -1, model.rank()});
@@ -155,7 +155,7 @@ TEST(Surface, knows_what_others_have_lost_to_the_last_element) {
     delete_elements(model, erosion, ledger, [&](std::int64_t id) { return id % 64 >= kept; });
     expect_true_surface(model, "kept " + std::to_string(kept) + " in 64");
   }
-  EXPECT_EQ(sum_of(model.comm, static_cast<std::int64_t>(model.surface.exterior(model).size())), 0);
+  EXPECT_EQ(sum_of(model.comm, static_cast<std::int64_t>(model.surface.exterior(model.surface_mesh()).size())), 0);
 }
 
 TEST(Surface, names_the_faces_that_dead_elements_had_covered) {
@@ -179,7 +179,7 @@ TEST(Surface, names_the_faces_that_dead_elements_had_covered) {
     erosion.erode(model, {}, ledger);
     erosion.update_free_nodes(model);
     std::set<GlobalFacet> opened;
-    for (const ExteriorFacet& f : model.surface.opened_by(model, erosion.retired()))
+    for (const ExteriorFacet& f : model.surface.opened_by(model.surface_mesh(), erosion.retired()))
       opened.insert({model.parts[f.part].store->id(f.slot), f.face});
     expected.clear();
     for (const GlobalFacet& f : gather_exterior(model, n_listed))

@@ -53,7 +53,7 @@ contacts: [{{type: eroding_surface}}]
     test::generate(model_, *input_);
     ledger_.open(model_);
     boxes_.resize(static_cast<std::size_t>(model_.nodes.n()));
-    facets_ = model_.surface.exterior(model_);
+    facets_ = model_.surface.exterior(model_.surface_mesh());
     for (const ExteriorFacet& f : facets_)
       for (int k = 0; k < 4; ++k) track(corner(f, k), slaves_);
     for (const ExteriorFacet& f : facets_) records_.push_back(record(f));
@@ -164,7 +164,7 @@ TwoSlabs::News TwoSlabs::kill_some(int round) {
   }
   for (const ErosionRecord& r : erosion.erode(model_, Step{1, 0.0, dt, dt}, ledger_)) news.dead.push_back(r.element);
   erosion.update_free_nodes(model_);
-  const std::vector<ExteriorFacet> opened = model_.surface.opened_by(model_, erosion.retired());
+  const std::vector<ExteriorFacet> opened = model_.surface.opened_by(model_.surface_mesh(), erosion.retired());
   for (const ExteriorFacet& f : opened)
     for (int k = 0; k < 4; ++k) track(corner(f, k), news.slaves);
   for (const ExteriorFacet& f : opened) news.facets.push_back(record(f));
