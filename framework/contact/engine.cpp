@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/assert.hpp"
+#include "kerf/shape.hpp"
 #include "model/copies.hpp"
 #include "model/reference_position.hpp"
 #include "parallel/communicator.hpp"
@@ -48,7 +49,7 @@ void ContactEngine::measure_sight(const Model& model) {
       if (!part.store->live(s)) continue;
       Vec3 x[8];
       for (int k = 0; k < 8; ++k) x[k] = model.nodes.x(part.store->node(s, k));
-      for (const auto& face : hex_face) {
+      for (const auto& face : hexahedron.face) {
         FacetBounds bounds;
         for (int k = 0; k < 4; ++k) bounds.edge = std::max(bounds.edge, norm(x[face[(k + 1) % 4]] - x[face[k]]));
         bounds.longest_edge = bounds.thickness = bounds.edge;
@@ -159,7 +160,7 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   const PartModel& part = model.parts[f.part];
   std::uint64_t sets[4];
   for (int k = 0; k < 8; ++k) {
-    r.locals[k] = k < 4 ? f.nodes[k] : part.store->node(f.slot, hex_face[opposite_face[f.face]][k - 4]);
+    r.locals[k] = k < 4 ? f.nodes[k] : part.store->node(f.slot, hexahedron.behind[f.face][k - 4]);
     r.nodes[k] = nodes.id[r.locals[k]];
     r.owners[k] = model.node_owner[r.locals[k]];
     if (k < 4) sets[k] = nodes.sets[r.locals[k]];

@@ -60,7 +60,8 @@ std::vector<int> Balancer::partition(const Model& model) const {
       problem.coordinates.insert(problem.coordinates.end(), {centre.x, centre.y, centre.z});
       problem.weights.push_back(model.parts[p].work);
       if (!graph) continue;
-      model.surface.neighbours(model.surface_mesh(), static_cast<int>(p), s, problem.neighbours, problem.neighbour_ranks);
+      model.surface.neighbours(model.surface_mesh(), static_cast<int>(p), s, problem.neighbours,
+                               problem.neighbour_ranks);
       problem.first.push_back(static_cast<std::int64_t>(problem.neighbours.size()));
     }
   }

@@ -3,12 +3,11 @@
 
 #include <limits>
 
+#include "kerf/shape.hpp"
+
 namespace kerf {
 
 namespace {
-
-constexpr std::array<std::array<int, 2>, 12> edges{
-    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
 // The three neighbours of each corner, ordered so that the triple product is positive for a brick.
 constexpr std::array<std::array<int, 3>, 8> neighbours{
@@ -40,14 +39,14 @@ double min_scaled_jacobian(const HexCorners& x) {
 
 double shortest_edge(const HexCorners& x) {
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& e : edges)
+  for (const auto& e : hexahedron.edge)
     least = min_of(least, norm(x[static_cast<std::size_t>(e[0])] - x[static_cast<std::size_t>(e[1])]));
   return least;
 }
 
 double longest_edge(const HexCorners& x) {
   double most = 0.0;
-  for (const auto& e : edges)
+  for (const auto& e : hexahedron.edge)
     most = max_of(most, norm(x[static_cast<std::size_t>(e[0])] - x[static_cast<std::size_t>(e[1])]));
   return most;
 }

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/assert.hpp"
-#include "model/surface.hpp"
+#include "kerf/shape.hpp"
 
 namespace kerf {
 
@@ -44,7 +44,7 @@ class Polyhedron {
  public:
   /// `origin` is taken from all positions, so that round-off is that of a cell's size.
   Polyhedron(const HexCorners& x, Vec3 origin) : origin_(origin) {
-    for (const auto& corners : hex_face) {
+    for (const auto& corners : hexahedron.face) {
       Polygon& face = face_[static_cast<std::size_t>(n_++)];
       for (const int k : corners) face.add(x[static_cast<std::size_t>(k)] - origin);
     }
@@ -151,7 +151,7 @@ bool beyond_a_plane(const HexCorners& x, const FacePlanes& planes, double inward
 
 FacePlanes::FacePlanes(const HexCorners& x) {
   for (std::size_t f = 0; f < 6; ++f) {
-    const auto at = [&](int k) { return x[static_cast<std::size_t>(hex_face[f][k])]; };
+    const auto at = [&](int k) { return x[static_cast<std::size_t>(hexahedron.face[f][k])]; };
     const Vec3 area = cross(at(2) - at(0), at(3) - at(1));
     const double size = norm(area);
     normal[f] = size > 0.0 ? area * (1.0 / size) : Vec3{};

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "core/assert.hpp"
+#include "kerf/shape.hpp"
 #include "model/model.hpp"
 #include "parallel/ownership.hpp"
 
@@ -13,8 +14,8 @@ namespace kerf {
 namespace {
 
 std::array<std::int32_t, 4> face_nodes(const PartStore& store, int slot, int face) {
-  return {store.node(slot, hex_face[face][0]), store.node(slot, hex_face[face][1]), store.node(slot, hex_face[face][2]),
-          store.node(slot, hex_face[face][3])};
+  return {store.node(slot, hexahedron.face[face][0]), store.node(slot, hexahedron.face[face][1]),
+          store.node(slot, hexahedron.face[face][2]), store.node(slot, hexahedron.face[face][3])};
 }
 
 ExteriorFacet facet(const SurfaceMesh& mesh, std::int32_t part, std::int32_t slot, std::int32_t face) {

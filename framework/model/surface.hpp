@@ -12,6 +12,7 @@
 #include <memory>
 #include <vector>
 
+#include "kerf/shape.hpp"
 #include "parallel/exchange_plan.hpp"
 
 namespace kerf {
@@ -19,15 +20,9 @@ namespace kerf {
 struct NodeStore;
 struct PartModel;
 
-/// Corners of the six faces of a hexahedron, counter-clockwise seen from outside.
-inline constexpr int hex_face[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                       {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-
-inline constexpr int opposite_face[6] = {1, 0, 4, 5, 2, 3};
-
 struct ExteriorFacet {
   std::int32_t part = 0, slot = 0, face = 0;
-  std::array<std::int32_t, 4> nodes = {};  // of the corners, in the order of hex_face
+  std::array<std::int32_t, 4> nodes = {};  // of the corners, in the order of the shape
   auto operator<=>(const ExteriorFacet&) const = default;
 };
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "kerf/shape.hpp"
 #include "output/collective.hpp"
 #include "output/hdf5_file.hpp"
 
@@ -17,7 +18,6 @@ namespace {
 using hdf5::Dataset;
 using hdf5::Group;
 
-constexpr std::uint8_t vtk_hexahedron = 12;
 constexpr std::uint8_t hidden_cell = 32;  // vtkDataSetAttributes::HIDDENCELL
 const std::vector<std::string> static_cell_arrays{"GlobalElementId", "part"};
 
@@ -347,7 +347,8 @@ void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements,
   for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = 8 * (begin + static_cast<std::int64_t>(i));
   store(*root_, "Offsets", elements_.n + 1, begin, offsets);
   const auto n = static_cast<std::size_t>(plan.slab_size());
-  store(*root_, "Types", elements_.n, begin, std::vector<std::uint8_t>(n, vtk_hexahedron));
+  store(*root_, "Types", elements_.n, begin,
+        std::vector<std::uint8_t>(n, static_cast<std::uint8_t>(hexahedron.vtk_type)));
   std::vector<std::int64_t> gids(n);
   for (std::size_t i = 0; i < n; ++i) gids[i] = begin + static_cast<std::int64_t>(i);
   store(*elements_.arrays, "GlobalElementId", elements_.n, begin, gids);

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 
+#include "kerf/shape.hpp"
 #include "mesh/quality.hpp"
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
@@ -112,13 +113,13 @@ void warn_of_idle_parts(const Model& model, const Encounters& encounters, Lines&
 
 /// Whether neither end of a cell's direction is kept from moving along it.
 bool is_free_across(const Model& model, const Encounters& encounters, const PartStore& store, int slot, int face) {
-  for (const int side : {face, opposite_face[face]}) {
+  for (const int side : {face, hexahedron.opposite_face[face]}) {
     std::array<Vec3, 4> x;
-    for (std::size_t k = 0; k < 4; ++k) x[k] = model.nodes.x(store.node(slot, hex_face[side][k]));
+    for (std::size_t k = 0; k < 4; ++k) x[k] = model.nodes.x(store.node(slot, hexahedron.face[side][k]));
     const Vec3 area = cross(x[2] - x[0], x[3] - x[1]);
     const Vec3 normal = area * (1.0 / norm(area));
     for (int k = 0; k < 4; ++k)
-      if (encounters.holds(store.node(slot, hex_face[side][k]), normal)) return false;
+      if (encounters.holds(store.node(slot, hexahedron.face[side][k]), normal)) return false;
   }
   return true;
 }
@@ -126,8 +127,8 @@ bool is_free_across(const Model& model, const Encounters& encounters, const Part
 double distance_across(const Model& model, const PartStore& store, int slot, int face) {
   Vec3 sum;
   for (int k = 0; k < 4; ++k)
-    sum = sum + model.nodes.x(store.node(slot, hex_face[opposite_face[face]][k])) -
-          model.nodes.x(store.node(slot, hex_face[face][k]));
+    sum = sum + model.nodes.x(store.node(slot, hexahedron.face[hexahedron.opposite_face[face]][k])) -
+          model.nodes.x(store.node(slot, hexahedron.face[face][k]));
   return 0.25 * norm(sum);
 }
 
@@ -146,7 +147,7 @@ struct SingleLayers {
         faces |= 1u << facets[i].face;
       const PartStore& store = *model.parts[index(first.part)].store;
       for (const int face : {0, 2, 3}) {  // one of each pair
-        const unsigned pair = 1u << face | 1u << opposite_face[face];
+        const unsigned pair = 1u << face | 1u << hexahedron.opposite_face[face];
         if ((faces & pair) != pair || !is_free_across(model, encounters, store, first.slot, face)) continue;
         ++n_cells[index(first.part)];
         double& most = thickness[index(first.part)];

@@ -2,13 +2,11 @@
 #include <cmath>
 
 #include "kerf/plugin.hpp"
+#include "kerf/shape.hpp"
 #include "support/geometry.hpp"
 
 namespace kerf {
 namespace {
-
-constexpr int hexahedron_edges[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
-                                         {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
 
 class LargestRadius final : public Measure {
  public:
@@ -46,7 +44,7 @@ class LargestRadius final : public Measure {
     double largest = -1.0;
     for (const MeasureModel::Element& e : model.elements) {
       if (e.part != number) continue;
-      for (const auto& edge : hexahedron_edges) {
+      for (const auto& edge : hexahedron.edge) {
         const Vec3 p = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[0])])].position;
         const Vec3 q = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[1])])].position;
         largest = max_of(largest, at_height < 0.0 ? max_of(radius(p, a), radius(q, a)) : radius_at(p, q, a, height));

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "contact/impacts.hpp"
+#include "kerf/shape.hpp"
 #include "model/surface.hpp"
 
 namespace kerf::test {
@@ -55,7 +56,7 @@ BruteContact::Hexahedron::Hexahedron(const GlobalModel& global, const GlobalElem
 bool BruteContact::Hexahedron::holds(Vec3 p) const {
   for (int d = 0; d < 3; ++d)
     if (p[d] < low[d] || p[d] > high[d]) return false;
-  for (const auto& face : hex_face) {
+  for (const auto& face : hexahedron.face) {
     const Vec3 middle = (x[face[0]] + x[face[1]] + x[face[2]] + x[face[3]]) * 0.25;
     for (int k = 0; k < 4; ++k)
       if (in_tetrahedron(p, x[face[k]], x[face[(k + 1) % 4]], middle, centre)) return true;
@@ -105,12 +106,13 @@ void BruteContact::list_facets() {
     volume_.push_back(e.record[0] / parts_[e.part].material->density);  // the record starts with the mass
     edge_.push_back(0.0);
     for (int k = 0; k < 4; ++k) {
-      const Vec3 a = undeformed(e.nodes[hex_face[f.face][k]]), b = undeformed(e.nodes[hex_face[f.face][(k + 1) % 4]]);
+      const Vec3 a = undeformed(e.nodes[hexahedron.face[f.face][k]]),
+                 b = undeformed(e.nodes[hexahedron.face[f.face][(k + 1) % 4]]);
       edge_.back() = std::max(edge_.back(), norm(b - a));
     }
     for (int k = 0; k < 4; ++k) {
-      facet_nodes_.push_back(number_.at(e.nodes[hex_face[f.face][k]]));
-      facet_opposite_.push_back(number_.at(e.nodes[hex_face[opposite_face[f.face]][k]]));
+      facet_nodes_.push_back(number_.at(e.nodes[hexahedron.face[f.face][k]]));
+      facet_opposite_.push_back(number_.at(e.nodes[hexahedron.face[hexahedron.opposite_face[f.face]][k]]));
       facets_of_node_[facet_nodes_.back()].push_back(number);
     }
   }

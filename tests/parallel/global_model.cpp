@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 
+#include "kerf/shape.hpp"
 #include "model/surface.hpp"
 #include "parallel/communicator.hpp"
 
@@ -109,7 +110,7 @@ std::set<GlobalFacet> GlobalModel::exterior() const {
   for (const GlobalElement& e : elements)
     for (int f = 0; f < 6; ++f) {
       std::array<std::int64_t, 4> key{};
-      for (int k = 0; k < 4; ++k) key[k] = e.nodes[hex_face[f][k]];
+      for (int k = 0; k < 4; ++k) key[k] = e.nodes[hexahedron.face[f][k]];
       std::sort(key.begin(), key.end());
       faces[key].push_back({e.id, f});
     }

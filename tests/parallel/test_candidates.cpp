@@ -12,6 +12,7 @@
 
 #include "contact/candidate_search.hpp"
 #include "kerf/math.hpp"
+#include "kerf/shape.hpp"
 #include "model/surface.hpp"
 
 namespace {
@@ -135,7 +136,7 @@ class RandomSurface {
       to[d] = at[d] + step[face][d];
       if (to[d] < 0 || to[d] >= n_) return {-1, 0};
     }
-    return {element_id(static_cast<int>(e / block), to[0], to[1], to[2]), opposite_face[face]};
+    return {element_id(static_cast<int>(e / block), to[0], to[1], to[2]), hexahedron.opposite_face[face]};
   }
   const ContactNodeRecord& node(std::int64_t id) const { return nodes_.at(id); }
   /// How far a node sweeps: not at all, or up to half a cell.
@@ -147,9 +148,9 @@ class RandomSurface {
     f.part = static_cast<std::int32_t>(element / block);
     f.role = roles_.at(element);
     const auto c = corners(element);
-    const auto& far_side = hex_face[opposite_face[face]];
+    const auto& far_side = hexahedron.face[hexahedron.opposite_face[face]];
     for (int k = 0; k < 8; ++k) {
-      f.nodes[k] = c[k < 4 ? hex_face[face][k] : far_side[k - 4]];
+      f.nodes[k] = c[k < 4 ? hexahedron.face[face][k] : far_side[k - 4]];
       f.locals[k] = node(f.nodes[k]).local;
     }
     for (int k = 0; k < 4; ++k) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "kerf/shape.hpp"
 #include "model/migrator.hpp"
 #include "model/surface.hpp"
 #include "parallel/communicator.hpp"
@@ -87,7 +88,7 @@ void expect_true_neighbours(const Model& model, const std::string& when) {
   }
   std::map<std::set<std::int64_t>, std::vector<std::int64_t>> sides;
   for (const GlobalElement& e : global.elements)
-    for (const auto& face : hex_face) {
+    for (const auto& face : hexahedron.face) {
       std::set<std::int64_t> key;
       for (const int corner : face) key.insert(e.nodes[corner]);
       sides[key].push_back(e.id);

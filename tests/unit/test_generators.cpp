@@ -12,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "kerf/shape.hpp"
 #include "mesh/block_generator.hpp"
 #include "mesh/cylinder_generator.hpp"
 #include "mesh/grading.hpp"
@@ -22,9 +23,6 @@ namespace {
 using namespace kerf;
 
 constexpr double pi = 3.14159265358979323846;
-constexpr std::array<std::array<std::size_t, 4>, 6> hex_faces{
-    {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
-
 struct Case {
   std::string name, nose, sector;
   double nose_length, caliber_radius_head, tip;
@@ -73,7 +71,7 @@ void expect_conforming(const MeshGenerator& g) {
       ASSERT_LT(i, g.n_nodes());
       used[static_cast<std::size_t>(i)] = true;
     }
-    for (const auto& f : hex_faces) {
+    for (const auto& f : hexahedron.face) {
       std::array<std::int64_t, 4> key{n[f[0]], n[f[1]], n[f[2]], n[f[3]]};
       std::sort(key.begin(), key.end());
       ++sharing[key];

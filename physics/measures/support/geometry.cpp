@@ -7,19 +7,17 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "kerf/shape.hpp"
+
 namespace kerf {
 namespace {
-
-// Faces of a hexahedron, counter-clockwise seen from outside.
-constexpr int hexahedron_faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                        {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
 
 using Facet = std::array<std::int32_t, 4>;
 
 Facet face_of(const MeasureModel::Element& e, int face) {
   Facet f{};
   for (int k = 0; k < 4; ++k)
-    f[static_cast<std::size_t>(k)] = e.nodes[static_cast<std::size_t>(hexahedron_faces[face][k])];
+    f[static_cast<std::size_t>(k)] = e.nodes[static_cast<std::size_t>(hexahedron.face[face][k])];
   return f;
 }
 

@@ -15,6 +15,7 @@
 #include "erosion/erosion.hpp"
 #include "erosion/record.hpp"
 #include "kerf/contact.hpp"
+#include "kerf/shape.hpp"
 #include "parallel/scene.hpp"
 
 namespace {
@@ -86,8 +87,8 @@ contacts: [{{type: eroding_surface}}]
     bool tracked = false;
   };
   std::int32_t corner(const ExteriorFacet& f, int k) const {
-    const int face = k < 4 ? f.face : opposite_face[f.face];
-    return model_.parts[f.part].store->node(f.slot, hex_face[face][k % 4]);
+    const int face = k < 4 ? f.face : hexahedron.opposite_face[f.face];
+    return model_.parts[f.part].store->node(f.slot, hexahedron.face[face][k % 4]);
   }
   /// Foresees where a node may be, and gives its record.
   ContactNodeRecord foresee(std::int32_t node, Vec3 x) {
