@@ -1,32 +1,45 @@
 """The rooms depend on one another in one direction only (doc/developers/architecture.md)."""
 import re
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-# A room includes itself and the rooms of lower floors; those of its own floor only where named here.
-FLOORS = [["core"], ["parallel", "output", "plugin"], ["input"], ["mesh"], ["model"], ["erosion"], ["contact"], ["review"], ["dynamics"],
-          ["report"], ["app"]]
-MAY_INCLUDE = {"api": set()}
-for floor, rooms in enumerate(FLOORS):
-    for room in rooms:
-        MAY_INCLUDE[room] = {room} | {below for lower in FLOORS[:floor] for below in lower}
+sys.path.insert(0, str(ROOT / "doc" / "developers"))
+
+import draw_floors  # noqa: E402
+
 INCLUDE = re.compile(r'^\s*#include\s+["<]([^">]+)[">]', re.M)
-ROOMS = set(MAY_INCLUDE) - {"api"}
+ROOMS = {room for floor in draw_floors.FLOORS for room in floor}
 
 
 def includes(path):
     return INCLUDE.findall(path.read_text(encoding="utf-8"))
 
 
-def test_rooms_of_the_framework_include_only_rooms_below():
-    wrong = []
-    for room, allowed in MAY_INCLUDE.items():
-        for path in sorted((ROOT / "framework" / room).rglob("*.[hc]pp")):
-            for name in includes(path):
-                first = name.split("/")[0]
-                if first in ROOMS and first not in allowed:
-                    wrong.append(f"{path.relative_to(ROOT)} includes {name}")
+def test_every_room_stands_on_a_floor():
+    folders = {path.name for path in (ROOT / "framework").iterdir() if list(path.glob("*.[hc]pp"))}
+    assert folders - {"cmake"} == ROOMS  # cmake/ has programs that check the compiler
+
+
+def test_rooms_include_only_rooms_of_lower_floors():
+    assert draw_floors.upward_arrows() == []
+
+
+def test_the_headers_of_plugins_include_no_room():
+    wrong = [f"{path.relative_to(ROOT)} includes {name}" for path in sorted((ROOT / "framework/api").rglob("*.hpp"))
+             for name in includes(path) if name.split("/")[0] in ROOMS]
     assert not wrong, "\n".join(wrong)
+
+
+def test_no_room_is_larger_than_a_sixth_of_the_house():
+    lines = {room: draw_floors.lines_of(room) for room in ROOMS}
+    headers = sum(len(path.read_text().splitlines()) for path in (ROOT / "framework/api/kerf").glob("*.hpp"))
+    assert max(lines.values()) < (headers + sum(lines.values())) / 6, lines
+
+
+def test_the_picture_of_the_floors_is_the_one_of_these_sources():
+    drawn = (ROOT / "doc/developers/floors.svg").read_text(encoding="utf-8")
+    assert drawn == draw_floors.picture(), "run: python3 doc/developers/draw_floors.py > doc/developers/floors.svg"
 
 
 def test_physics_and_partitioners_see_only_what_an_outside_author_sees():
