@@ -1,5 +1,5 @@
 // Compiled and run at configure time: does the compiler store a constant object as it is written? GCC 12.2 with AVX-512
-// stores {7, 7, 7, 7, 7, 7, 7, 7} in place of the first one unless it is told to copy in registers of 128 bits.
+// stores {7, 7, 7, 7, 7, 7, 7, 7} in place of the first one unless it may not broadcast from general registers.
 #include <cstdio>
 #include <cstring>
 
