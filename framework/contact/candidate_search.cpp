@@ -9,6 +9,7 @@
 #include "contact/search_trees.hpp"
 #include "contact/surface_tables.hpp"
 #include "core/assert.hpp"
+#include "kerf/shape.hpp"
 
 namespace kerf {
 
@@ -329,7 +330,7 @@ struct CandidateSearch::Tables : SearchRecords {
   void kill(const std::vector<std::int64_t>& elements, std::vector<std::int32_t>& affected) {
     for (const std::int64_t element : elements)
       for (int face = 0; face < 6; ++face) {
-        const std::int32_t f = number_of_facet(element * 8 + face);
+        const std::int32_t f = number_of_facet(element * Shape::code_of_faces + face);
         if (f == n_facets() || role[f] == 0) continue;
         role[f] = 0;
         uproot(f);

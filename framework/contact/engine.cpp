@@ -47,9 +47,11 @@ void ContactEngine::measure_sight(const Model& model) {
   for (const PartModel& part : model.parts)
     for (int s = 0; s < part.store->n_slots(); ++s) {
       if (!part.store->live(s)) continue;
-      Vec3 x[8];
-      for (int k = 0; k < 8; ++k) x[k] = model.nodes.x(part.store->node(s, k));
-      for (const auto& face : hexahedron.face) {
+      const Shape& shape = part.store->shape();
+      Vec3 x[Shape::most_nodes];
+      for (int k = 0; k < shape.n_nodes; ++k) x[k] = model.nodes.x(part.store->node(s, k));
+      for (int f = 0; f < shape.n_faces; ++f) {
+        const auto& face = shape.face[f];
         FacetBounds bounds;
         for (int k = 0; k < 4; ++k) bounds.edge = std::max(bounds.edge, norm(x[face[(k + 1) % 4]] - x[face[k]]));
         bounds.longest_edge = bounds.thickness = bounds.edge;
@@ -159,8 +161,10 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   const NodeStore& nodes = model.nodes;
   const PartModel& part = model.parts[f.part];
   std::uint64_t sets[4];
+  const Shape& shape = part.store->shape();
   for (int k = 0; k < 8; ++k) {
-    r.locals[k] = k < 4 ? f.nodes[k] : part.store->node(f.slot, hexahedron.behind[f.face][k - 4]);
+    const int behind = shape.behind[f.face][k % 4];
+    r.locals[k] = k < 4 || behind < 0 ? f.nodes[k % 4] : part.store->node(f.slot, behind);
     r.nodes[k] = nodes.id[r.locals[k]];
     r.owners[k] = model.node_owner[r.locals[k]];
     if (k < 4) sets[k] = nodes.sets[r.locals[k]];
@@ -169,7 +173,7 @@ bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, Co
   r.role = (master ? 1u : 0u) | (slave && request_.symmetric ? 2u : 0u);
   if (r.role == 0 && slave) r.role = ContactFacetRecord::meets_none;
   if (r.role == 0) return false;
-  r.id = part.store->id(f.slot) * 8 + f.face;
+  r.id = part.store->id(f.slot) * Shape::code_of_faces + f.face;
   r.part = f.part;
   r.bulk_modulus = part.bulk_modulus;
   r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;

@@ -29,8 +29,8 @@ struct ContactNodeRecord {
 };
 
 struct ContactFacetRecord {
-  std::int64_t id = 0;  // element id * 8 + face
-  std::int64_t nodes[8] = {};  // corners of the facet, then the other four nodes of its element
+  std::int64_t id = 0;  // element id * Shape::code_of_faces + face
+  std::int64_t nodes[8] = {};  // corners of the facet, then the nodes behind each; the corner itself where none is
   std::int32_t locals[8] = {};  // their numbers on the rank that made the record
   std::int32_t owners[8] = {};
   Box box, own_box;  // inflated by the facet's reach

@@ -55,8 +55,8 @@ std::vector<int> Balancer::partition(const Model& model) const {
       if (!store.live(s)) continue;
       problem.ids.push_back(store.id(s));
       Vec3 centre;
-      for (int k = 0; k < 8; ++k) centre = centre + model.nodes.x(store.node(s, k));
-      centre = centre * 0.125;
+      for (int k = 0; k < store.n_nodes(); ++k) centre = centre + model.nodes.x(store.node(s, k));
+      centre = centre * (1.0 / store.n_nodes());
       problem.coordinates.insert(problem.coordinates.end(), {centre.x, centre.y, centre.z});
       problem.weights.push_back(model.parts[p].work);
       if (!graph) continue;

@@ -53,7 +53,7 @@ std::vector<ErosionRecord> Erosion::erode(Model& model, const Step& step, Ledger
       r.energy = total;
       records.push_back(std::move(r));
       retired_.push_back({static_cast<std::int32_t>(p), f.slot, 0});
-      for (int k = 0; k < 8; ++k) --model.live_elements[store.node(f.slot, k)];
+      for (int k = 0; k < store.n_nodes(); ++k) --model.live_elements[store.node(f.slot, k)];
       store.retire(f.slot, model.nodes.first_dummy());
     }
     judges_[p]->failures.clear();

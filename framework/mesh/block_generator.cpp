@@ -170,7 +170,7 @@ std::vector<double> BlockGenerator::zone_axis(int axis, double coarse, std::vect
   return refined_lines(length, {from, to, coarse / refine->factor, refine->growth, coarse});
 }
 
-std::array<std::int64_t, 8> BlockGenerator::element(std::int64_t e) const {
+ElementNodeIds BlockGenerator::element(std::int64_t e) const {
   const std::int64_t nx = n_[0] - 1, ny = n_[1] - 1;
   const std::int64_t i = e % nx, j = e / nx % ny, k = e / (nx * ny);
   const std::int64_t a = (k * n_[1] + j) * n_[0] + i, up = n_[0] * n_[1];

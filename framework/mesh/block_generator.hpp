@@ -52,7 +52,7 @@ class BlockGenerator final : public MeshGenerator {
     const auto at = [this](std::size_t axis, std::int64_t j) { return lines_[axis][static_cast<std::size_t>(j)]; };
     return {at(0, i % n_[0]), at(1, i / n_[0] % n_[1]), at(2, i / (n_[0] * n_[1]))};
   }
-  std::array<std::int64_t, 8> element(std::int64_t e) const override;
+  ElementNodeIds element(std::int64_t e) const override;
   std::vector<std::string> face_names() const override;
   bool on_face(std::int64_t i, int face) const override;
   /// Positions of the mesh lines along an axis [m].

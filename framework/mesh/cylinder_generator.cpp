@@ -230,8 +230,8 @@ std::int64_t CylinderGenerator::cover_node(int section_node, int k) const {
   return top_layer + section_.node_at(name.i, name.j, k);
 }
 
-std::array<std::int64_t, 8> CylinderGenerator::element(std::int64_t e) const {
-  std::array<std::int64_t, 8> nodes{};
+ElementNodeIds CylinderGenerator::element(std::int64_t e) const {
+  ElementNodeIds nodes{};
   const std::int64_t in_layers = (n_layers_ - 1) * section_.n_quads();
   if (e < in_layers) {
     const std::int64_t bottom = e / section_.n_quads() * section_.n_nodes();

@@ -43,7 +43,7 @@ class CylinderGenerator final : public MeshGenerator {
     return (n_layers_ - 1) * section_.n_quads() + (has_cap() ? section_.n_ring() * section_.n_core_quads() : 0);
   }
   Vec3 node(std::int64_t i) const override;
-  std::array<std::int64_t, 8> element(std::int64_t e) const override;
+  ElementNodeIds element(std::int64_t e) const override;
   std::vector<std::string> face_names() const override;
   bool on_face(std::int64_t i, int face) const override;
 

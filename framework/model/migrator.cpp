@@ -118,8 +118,8 @@ void number(Model& model, ModelBundle& bundle, const RecordIndex& index) {
     store.make_room(static_cast<int>(order.size()));
     for (std::size_t slot = 0; slot < order.size(); ++slot) {
       const auto e = static_cast<std::size_t>(order[slot]);
-      std::array<std::int32_t, 8> nodes;
-      for (int k = 0; k < 8; ++k) nodes[k] = touch(index(part.nodes[e][k]));
+      std::int32_t nodes[Shape::most_nodes];
+      for (int k = 0; k < store.n_nodes(); ++k) nodes[k] = touch(index(part.nodes[e][k]));
       store.put(static_cast<int>(slot), part.ids[e], nodes, part.records.data() + e * store.record_size());
     }
     part = ElementBundle{};
@@ -152,7 +152,7 @@ void assemble(Model& model, ModelBundle&& bundle) {
     PartStore& store = *part.store;
     store.set_dummies(model.nodes.first_dummy(), part.material->density * volume, volume);
     for (int s = 0; s < store.n_slots(); ++s)
-      for (int k = 0; k < 8; ++k) ++model.live_elements[store.node(s, k)];
+      for (int k = 0; k < store.n_nodes(); ++k) ++model.live_elements[store.node(s, k)];
   }
   model.index_nodes();
   build_ghost_plan(model);
@@ -162,7 +162,8 @@ void assemble(Model& model, ModelBundle&& bundle) {
 std::int64_t migrate(Model& model, const std::vector<int>& owners) {
   const int n_ranks = model.n_ranks(), here = model.rank();
   struct Header {
-    std::int64_t id, nodes[8];
+    std::int64_t id;
+    ElementNodeIds nodes;
     std::int64_t part;
   };
   std::vector<std::vector<Header>> headers(n_ranks);
@@ -179,7 +180,7 @@ std::int64_t migrate(Model& model, const std::vector<int>& owners) {
       const int to = owners[e++];
       n_left += to != here ? 1 : 0;
       Header h{store.id(s), {}, static_cast<std::int64_t>(p)};
-      for (int k = 0; k < 8; ++k) {
+      for (int k = 0; k < store.n_nodes(); ++k) {
         const std::int32_t n = store.node(s, k);
         h.nodes[k] = model.nodes.id[n];
         if (!taken[to][n]) nodes[to].push_back(model.nodes.record(n));
@@ -208,8 +209,7 @@ std::int64_t migrate(Model& model, const std::vector<int>& owners) {
     for (const Header& h : new_headers[r]) {
       ElementBundle& part = bundle.parts[h.part];
       part.ids.push_back(h.id);
-      part.nodes.push_back(
-          {h.nodes[0], h.nodes[1], h.nodes[2], h.nodes[3], h.nodes[4], h.nodes[5], h.nodes[6], h.nodes[7]});
+      part.nodes.push_back(h.nodes);
       const int size = model.parts[h.part].store->record_size();
       part.records.insert(part.records.end(), data, data + size);
       data += size;

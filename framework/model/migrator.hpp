@@ -15,7 +15,7 @@ namespace kerf {
 /// Elements of one part on their way: ids, global nodes, and their records one after the other.
 struct ElementBundle {
   std::vector<std::int64_t> ids;
-  std::vector<std::array<std::int64_t, 8>> nodes;
+  std::vector<ElementNodeIds> nodes;
   std::vector<double> records;
 };
 

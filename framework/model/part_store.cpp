@@ -19,7 +19,11 @@ StateVariable core(const char* name, const char* unit, double initial = 0.0) {
 
 PartStore::PartStore(int index, const Element& element, const Material& material, const Eos& eos,
                      const std::vector<StateVariable>& erosion_variables, Precision precision)
-    : index_(index), precision_(precision), fields_(n_fields) {
+    : shape_(&element.shape()),
+      n_nodes_(shape_->n_nodes),
+      index_(index),
+      precision_(precision),
+      fields_(n_fields) {
   const auto declare = [&](FieldIndex f, const char* name, std::vector<StateVariable> variables) {
     fields_[f].name = name;
     fields_[f].n_components = static_cast<int>(variables.size());
@@ -59,13 +63,13 @@ void PartStore::resize(int n_slots) {
   n_slots_ = n_slots;
   const std::size_t padded = static_cast<std::size_t>(n_blocks()) * lane_width;
   ids_.assign(padded, -1);
-  nodes_.assign(padded * 8, 0);
+  nodes_.assign(padded * static_cast<std::size_t>(n_nodes_), 0);
   for (Field& f : fields_) f.assign_zeros(padded * f.n_components);
 }
 
 void PartStore::clear_slot(int slot) {
   ids_[slot] = -1;
-  for (int k = 0; k < 8; ++k) nodes_[node_index(slot, k)] = first_dummy_ + k;
+  for (int k = 0; k < n_nodes_; ++k) nodes_[node_index(slot, k)] = first_dummy_ + k;
   for (Field& f : fields_)
     for (int c = 0; c < f.n_components; ++c) f.set(slot, c, f.components[c].initial);
   fields_[mass].set(slot, 0, dummy_mass_);
@@ -77,10 +81,10 @@ void PartStore::make_room(int n_elements) {
   n_live_ = n_slots_;
 }
 
-void PartStore::put(int slot, std::int64_t id, const std::array<std::int32_t, 8>& nodes, const double* record) {
+void PartStore::put(int slot, std::int64_t id, const std::int32_t* nodes, const double* record) {
   ++arrangement_;
   ids_[slot] = id;
-  for (int k = 0; k < 8; ++k) nodes_[node_index(slot, k)] = nodes[k];
+  for (int k = 0; k < n_nodes_; ++k) nodes_[node_index(slot, k)] = nodes[k];
   for (Field& f : fields_)
     for (int c = 0; c < f.n_components; ++c) f.set(slot, c, *record++);
 }
@@ -110,7 +114,7 @@ std::vector<std::int32_t> PartStore::compact() {
     moved[s] = next;
     if (next != s) {
       ids_[next] = ids_[s];
-      for (int k = 0; k < 8; ++k) nodes_[node_index(next, k)] = nodes_[node_index(s, k)];
+      for (int k = 0; k < n_nodes_; ++k) nodes_[node_index(next, k)] = nodes_[node_index(s, k)];
       for (Field& f : fields_)
         for (int c = 0; c < f.n_components; ++c) f.set(next, c, f.at(s, c));
     }
@@ -121,7 +125,7 @@ std::vector<std::int32_t> PartStore::compact() {
   n_slots_ = next;
   const std::size_t kept = static_cast<std::size_t>(n_blocks()) * lane_width;
   ids_.resize(kept);
-  nodes_.resize(kept * 8);
+  nodes_.resize(kept * static_cast<std::size_t>(n_nodes_));
   for (Field& f : fields_) f.resize(kept * f.n_components);
   return moved;
 }

@@ -84,6 +84,8 @@ class PartStore {
             const std::vector<StateVariable>& erosion_variables, Precision precision = Precision::double_precision);
 
   int index() const { return index_; }
+  const Shape& shape() const { return *shape_; }
+  int n_nodes() const { return n_nodes_; }  // of an element
   Precision precision() const { return precision_; }
   int n_slots() const { return n_slots_; }
   int n_blocks() const { return (n_slots_ + lane_width - 1) / lane_width; }
@@ -104,8 +106,8 @@ class PartStore {
 
   /// Forgets all elements and makes room for new ones, which have to be put into slots 0 .. n - 1.
   void make_room(int n_elements);
-  /// Puts an element into a slot: its id, its local nodes, and its record.
-  void put(int slot, std::int64_t id, const std::array<std::int32_t, 8>& nodes, const double* record);
+  /// Puts an element into a slot: its id, its n_nodes() local nodes, and its record.
+  void put(int slot, std::int64_t id, const std::int32_t* nodes, const double* record);
   /// Fills the record of a fresh element of the given mass [kg].
   void initial_record(double element_mass, double* record) const;
   /// Turns a slot into an empty one. Pre: live(slot).
@@ -120,11 +122,13 @@ class PartStore {
 
  private:
   std::size_t node_index(int slot, int corner) const {
-    return (static_cast<std::size_t>(slot / lane_width) * 8 + corner) * lane_width + slot % lane_width;
+    return (static_cast<std::size_t>(slot / lane_width) * static_cast<std::size_t>(n_nodes_) + corner) * lane_width + slot % lane_width;
   }
   void resize(int n_slots);
   void clear_slot(int slot);
 
+  const Shape* shape_ = &hexahedron;
+  int n_nodes_ = 8;
   int index_ = 0, n_slots_ = 0, n_live_ = 0, record_size_ = 0;
   Precision precision_ = Precision::double_precision;
   std::int64_t arrangement_ = 0;

@@ -112,8 +112,8 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
   for (std::int64_t e = first; e < last; ++e) {
     const auto corners = mesh.element(e);
     HexCorners x;
-    std::array<std::int64_t, 8> ids{};
-    for (int k = 0; k < 8; ++k) {
+    ElementNodeIds ids{};
+    for (int k = 0; k < part.store->n_nodes(); ++k) {
       x[k] = placement.apply(mesh.node(corners[k]));
       ids[k] = part.first_node + corners[k];
       if (seen[corners[k]] != 0) continue;
@@ -206,7 +206,7 @@ double greatest_speed(const Model& model) {
   return std::sqrt(greatest(model.comm, square));
 }
 
-/// Lumped nodal masses: an eighth of each element, summed in whole quanta over all ranks.
+/// Lumped nodal masses: equal shares of each element, summed in whole quanta over all ranks.
 void lump_masses(Model& model) {
   double largest = 0.0;
   for (const PartModel& part : model.parts)
@@ -216,8 +216,9 @@ void lump_masses(Model& model) {
   std::vector<std::int64_t> sums(static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies, 0);
   for (const PartModel& part : model.parts)
     for (int s = 0; s < part.store->n_slots(); ++s) {
-      const auto share = std::llrint(part.store->field(PartStore::mass).at(s, 0) / (8.0 * quantum));
-      for (int k = 0; k < 8; ++k) sums[part.store->node(s, k)] += share;
+      const double n_shares = part.store->n_nodes();
+      const auto share = std::llrint(part.store->field(PartStore::mass).at(s, 0) / (n_shares * quantum));
+      for (int k = 0; k < part.store->n_nodes(); ++k) sums[part.store->node(s, k)] += share;
     }
   sum_over_copies(model, sums.data(), 1);
   for (int i = 0; i < model.nodes.n(); ++i) model.nodes.set_mass(i, static_cast<double>(sums[i]) * quantum);

@@ -14,8 +14,16 @@ namespace kerf {
 namespace {
 
 std::array<std::int32_t, 4> face_nodes(const PartStore& store, int slot, int face) {
-  return {store.node(slot, hexahedron.face[face][0]), store.node(slot, hexahedron.face[face][1]),
-          store.node(slot, hexahedron.face[face][2]), store.node(slot, hexahedron.face[face][3])};
+  const auto& corner = store.shape().face[face];
+  return {store.node(slot, corner[0]), store.node(slot, corner[1]), store.node(slot, corner[2]),
+          store.node(slot, corner[3])};
+}
+
+/// Sorted nodes of a face, the same from either side: a triangle repeats its greatest node, whichever corner is last.
+template <class Id>
+void sort_face(std::array<Id, 4>& n, int n_corners) {
+  std::sort(n.begin(), n.begin() + n_corners);
+  if (n_corners == 3) n[3] = n[2];
 }
 
 ExteriorFacet facet(const SurfaceMesh& mesh, std::int32_t part, std::int32_t slot, std::int32_t face) {
@@ -32,7 +40,7 @@ struct FaceKey {
 void Surface::build(const SurfaceMesh& mesh) {
   offset_.assign(1, 0);
   for (const PartModel& p : mesh.parts) offset_.push_back(offset_.back() + p.store->n_slots());
-  neighbour_.assign(static_cast<std::size_t>(offset_.back()), {none, none, none, none, none, none});
+  neighbour_.assign(static_cast<std::size_t>(offset_.back()), all_none);
   remote_id_.clear();
   remote_rank_.clear();
   remote_faces_.clear();
@@ -52,9 +60,9 @@ void Surface::match_local(const SurfaceMesh& mesh, std::vector<std::int64_t>& op
       const PartStore& store = *mesh.parts[p].store;
       for (int s = 0; s < store.n_slots(); ++s) {
         if (!store.live(s)) continue;
-        for (int f = 0; f < 6; ++f) {
+        for (int f = 0; f < store.shape().n_faces; ++f) {
           auto n = face_nodes(store, s, f);
-          std::sort(n.begin(), n.end());
+          sort_face(n, store.shape().n_corners(f));
           visit(n, offset_[p] + s, f);
         }
       }
@@ -77,7 +85,7 @@ void Surface::match_local(const SurfaceMesh& mesh, std::vector<std::int64_t>& op
         neighbour_[b.element][b.face] = a.element;
         break;
       }
-      if (mine == none) open.push_back(static_cast<std::int64_t>(a.element) * 8 + a.face);
+      if (mine == none) open.push_back(static_cast<std::int64_t>(a.element) * Shape::code_of_faces + a.face);
     }
 }
 
@@ -90,8 +98,8 @@ void Surface::match_remote(const SurfaceMesh& mesh, const std::vector<std::int64
   std::vector<std::int64_t> where;
   std::size_t part = 0;
   for (const std::int64_t code : open) {
-    const auto element = static_cast<std::int32_t>(code / 8);
-    const int face = static_cast<int>(code % 8);
+    const auto element = static_cast<std::int32_t>(code / Shape::code_of_faces);
+    const int face = static_cast<int>(code % Shape::code_of_faces);
     part = static_cast<std::size_t>(std::upper_bound(offset_.begin(), offset_.end(), element) - offset_.begin()) - 1;
     const PartStore& store = *mesh.parts[part].store;
     const int slot = element - offset_[part];
@@ -103,7 +111,7 @@ void Surface::match_remote(const SurfaceMesh& mesh, const std::vector<std::int64
       f.nodes[k] = mesh.nodes.id[n[k]];
     }
     if (!all) continue;
-    std::sort(f.nodes.begin(), f.nodes.end());
+    sort_face(f.nodes, store.shape().n_corners(face));
     f.element = store.id(slot);
     faces.push_back(f);
     where.push_back(code);
@@ -119,13 +127,13 @@ void Surface::match_remote(const SurfaceMesh& mesh, const std::vector<std::int64
       remote_rank_.push_back(found[i].rank);
       needed.push_back({found[i].element, found[i].rank});
     }
-    neighbour_[where[i] / 8][where[i] % 8] = first_remote - it->second;
+    neighbour_[where[i] / Shape::code_of_faces][where[i] % Shape::code_of_faces] = first_remote - it->second;
     remote_faces_.push_back(
-        {it->second, static_cast<std::int32_t>(where[i] / 8), static_cast<std::int32_t>(where[i] % 8)});
+        {it->second, static_cast<std::int32_t>(where[i] / Shape::code_of_faces), static_cast<std::int32_t>(where[i] % Shape::code_of_faces)});
   }
   std::unordered_map<std::int64_t, std::int32_t> local;
   for (std::size_t i = 0; i < found.size(); ++i)
-    if (found[i].element >= 0) local.emplace(faces[i].element, static_cast<std::int32_t>(where[i] / 8));
+    if (found[i].element >= 0) local.emplace(faces[i].element, static_cast<std::int32_t>(where[i] / Shape::code_of_faces));
   plan_ = std::make_unique<ExchangePlan>(mesh.comm, needed, [&](std::int64_t id) { return local.at(id); });
   remote_alive_.assign(remote_id_.size(), 1);
 }
@@ -150,7 +158,7 @@ std::vector<ExteriorFacet> Surface::opened_by(const SurfaceMesh& mesh, const std
     const std::int32_t dead = offset_[r.part] + r.slot;
     for (const std::int32_t n : neighbour_[dead]) {
       if (n < 0 || !mesh.parts[r.part].store->live(n - offset_[r.part])) continue;
-      for (std::int32_t face = 0; face < 6; ++face)
+      for (std::int32_t face = 0; face < Shape::most_faces; ++face)
         if (neighbour_[n][face] == dead) opened.push_back(facet(mesh, r.part, n - offset_[r.part], face));
     }
   }
@@ -176,10 +184,10 @@ void Surface::compact(const SurfaceMesh& mesh, const std::vector<std::vector<std
       if (moved[p][s] >= 0) number[offset_[p] + static_cast<std::int32_t>(s)] = offset.back() + moved[p][s];
     offset.push_back(offset.back() + mesh.parts[p].store->n_slots());
   }
-  std::vector<std::array<std::int32_t, 6>> kept(static_cast<std::size_t>(offset.back()));
+  std::vector<Neighbours> kept(static_cast<std::size_t>(offset.back()));
   for (std::size_t e = 0; e < neighbour_.size(); ++e) {
     if (number[e] < 0) continue;
-    for (int f = 0; f < 6; ++f) {
+    for (int f = 0; f < Shape::most_faces; ++f) {
       const std::int32_t n = neighbour_[e][f];
       kept[number[e]][f] = n >= 0 ? number[n] : n;
     }
@@ -212,7 +220,7 @@ void Surface::find_exterior(const SurfaceMesh& mesh) {
     const PartStore& store = *mesh.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
-      for (int f = 0; f < 6; ++f)
+      for (int f = 0; f < store.shape().n_faces; ++f)
         if (open_face(mesh, static_cast<int>(p), offset_[p] + s, f))
           exterior_.push_back(facet(mesh, static_cast<std::int32_t>(p), s, f));
     }

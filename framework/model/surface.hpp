@@ -1,7 +1,7 @@
 // Knows which faces of live elements are exterior, as elements die on this and on other ranks.
 //
 // Elements are numbered through all parts of the rank: slot of part p plus the part's offset. Faces are numbered
-// 0..5, nodes counter-clockwise seen from outside.
+// as the shape of their element says, nodes counter-clockwise seen from outside.
 #pragma once
 
 #include <mpi.h>
@@ -58,7 +58,9 @@ class Surface {
                   std::vector<int>& ranks) const;
 
  private:
+  using Neighbours = std::array<std::int32_t, Shape::most_faces>;  // across each face
   static constexpr std::int32_t none = -1;
+  static constexpr Neighbours all_none = {none, none, none, none, none, none};
   static constexpr std::int32_t first_remote = -2;  // code of remote neighbour r is first_remote - r
   void match_local(const SurfaceMesh& mesh, std::vector<std::int64_t>& open);
   void match_remote(const SurfaceMesh& mesh, const std::vector<std::int64_t>& open);
@@ -66,7 +68,7 @@ class Surface {
   bool open_face(const SurfaceMesh& mesh, int part, std::int32_t element, int face) const;
 
   std::vector<std::int32_t> offset_;  // first element number of each part, and the end
-  std::vector<std::array<std::int32_t, 6>> neighbour_;  // element number, none, or a remote code
+  std::vector<Neighbours> neighbour_;  // element number, none, or a remote code
   std::vector<std::int64_t> remote_id_;
   std::vector<int> remote_rank_;
   struct RemoteFace {

@@ -139,8 +139,8 @@ class ResultsWriter::Impl {
   Impl(MPI_Comm comm, const std::string& path, std::int64_t n_nodes, std::int64_t n_elements, bool double_precision);
   Impl(MPI_Comm comm, const std::string& path, int keep_frames);
 
-  void write_topology(std::span<const std::int64_t> elements, std::span<const std::int64_t> nodes,
-                      std::span<const std::int32_t> parts, const std::vector<std::string>& part_names);
+  void write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
+                      std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts);
   void begin_frame(double time, bool same_entities);
   void add_points(std::span<const std::int64_t> gids, const HeldValues<double>& positions);
   void add_field(Entities& kind, const std::string& name, int components, std::span<const std::int64_t> gids,
@@ -322,9 +322,38 @@ void ResultsWriter::Impl::read_last_points() {
 // ---------------------------------------------------------------------------------------------------------
 // Topology
 
-void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements, std::span<const std::int64_t> nodes,
-                                         std::span<const std::int32_t> parts,
-                                         const std::vector<std::string>& part_names) {
+namespace {
+
+/// Connectivity of a slab of elements, and where each of them begins in the connectivity of all.
+struct Cells {
+  std::vector<std::int64_t> nodes, offsets;
+  std::vector<std::uint8_t> types;
+  std::int64_t first = 0, n_all = 0;  // entries of the connectivity before this slab, and in the file
+
+  Cells(const std::vector<ResultsWriter::PartTopology>& parts, std::int64_t begin,
+        const std::vector<std::int64_t>& padded, const std::vector<std::int32_t>& part_of) {
+    std::int64_t left = begin;
+    for (const auto& part : parts) {
+      const std::int64_t before = std::min(left, part.n_elements);
+      first += before * part.shape->n_nodes;
+      left -= before;
+      n_all += part.n_elements * part.shape->n_nodes;
+    }
+    for (std::size_t e = 0; e < part_of.size(); ++e) {
+      const Shape& shape = *parts[static_cast<std::size_t>(part_of[e])].shape;
+      offsets.push_back(first + static_cast<std::int64_t>(nodes.size()));
+      types.push_back(static_cast<std::uint8_t>(shape.vtk_type));
+      const auto from = padded.begin() + static_cast<std::ptrdiff_t>(e * Shape::most_nodes);
+      nodes.insert(nodes.end(), from, from + shape.n_nodes);
+    }
+  }
+};
+
+}  // namespace
+
+void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
+                                         std::span<const std::int32_t> part_of,
+                                         const std::vector<PartTopology>& parts) {
   require(!has_topology_, "the topology is written once, and a reopened results file has it already");
   const SlabExchange& plan = elements_.plans.get(comm_, elements_.n, elements);
   int complete = plan.all_present();
@@ -341,21 +370,25 @@ void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements,
     file_.write(table.places[0] + static_cast<std::uint64_t>(first) * sizeof(T), std::as_bytes(std::span(values)));
     group.datasets[name] = std::move(table);
   };
-  store(*root_, "Connectivity", 8 * elements_.n, 8 * begin, plan.to_slab<std::int64_t>(nodes, 8, 0));
+  const std::span<const std::int64_t> flat(nodes.empty() ? nullptr : nodes.front().data(),
+                                           nodes.size() * Shape::most_nodes);
+  const std::vector<std::int32_t> parts_here = plan.to_slab<std::int32_t>(part_of, 1, 0);
+  Cells cells(parts, begin, plan.to_slab<std::int64_t>(flat, Shape::most_nodes, 0), parts_here);
+  store(*root_, "Connectivity", cells.n_all, cells.first, cells.nodes);
   // One entry more than there are elements; the last rank adds it.
-  std::vector<std::int64_t> offsets(static_cast<std::size_t>(plan.slab_size()) + (rank_ == n_ranks_ - 1 ? 1 : 0));
-  for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = 8 * (begin + static_cast<std::int64_t>(i));
-  store(*root_, "Offsets", elements_.n + 1, begin, offsets);
+  if (rank_ == n_ranks_ - 1) cells.offsets.push_back(cells.n_all);
+  store(*root_, "Offsets", elements_.n + 1, begin, cells.offsets);
+  store(*root_, "Types", elements_.n, begin, cells.types);
   const auto n = static_cast<std::size_t>(plan.slab_size());
-  store(*root_, "Types", elements_.n, begin,
-        std::vector<std::uint8_t>(n, static_cast<std::uint8_t>(hexahedron.vtk_type)));
   std::vector<std::int64_t> gids(n);
   for (std::size_t i = 0; i < n; ++i) gids[i] = begin + static_cast<std::int64_t>(i);
   store(*elements_.arrays, "GlobalElementId", elements_.n, begin, gids);
-  store(*elements_.arrays, "part", elements_.n, begin, plan.to_slab<std::int32_t>(parts, 1, 0));
+  store(*elements_.arrays, "part", elements_.n, begin, parts_here);
+  std::vector<std::string> part_names;
+  for (const PartTopology& part : parts) part_names.push_back(part.name);
   root_->datasets["NumberOfPoints"] = small_table<std::int64_t>({nodes_.n});
   root_->datasets["NumberOfCells"] = small_table<std::int64_t>({elements_.n});
-  root_->datasets["NumberOfConnectivityIds"] = small_table<std::int64_t>({8 * elements_.n});
+  root_->datasets["NumberOfConnectivityIds"] = small_table<std::int64_t>({cells.n_all});
   // VTKHDF leaves everything outside its own group to the writer.
   file_.root.groups["Kerf"].datasets["part_names"] = text_table(part_names);
   has_topology_ = true;
@@ -505,9 +538,9 @@ ResultsWriter::~ResultsWriter() = default;
 ResultsWriter ResultsWriter::reopen(MPI_Comm comm, const std::string& path, int keep_frames) {
   return ResultsWriter(std::make_unique<Impl>(comm, path, keep_frames));
 }
-void ResultsWriter::write_topology(std::span<const std::int64_t> elements, std::span<const std::int64_t> nodes,
-                                   std::span<const std::int32_t> parts, const std::vector<std::string>& part_names) {
-  impl_->write_topology(elements, nodes, parts, part_names);
+void ResultsWriter::write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
+                                   std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts) {
+  impl_->write_topology(elements, nodes, part_of, parts);
 }
 void ResultsWriter::begin_frame(double time, bool same_entities) { impl_->begin_frame(time, same_entities); }
 void ResultsWriter::add_points(std::span<const std::int64_t> owned_nodes, const HeldValues<double>& positions) {

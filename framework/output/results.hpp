@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "kerf/shape.hpp"
 #include "output/slab.hpp"
 
 namespace kerf {
@@ -37,10 +38,16 @@ class ResultsWriter {
   /// Closes the file and reports where that fails.
   void close();
 
-  /// Pre: the ranks' elements together are all elements of the model, each once. `nodes` holds eight global node
-  /// ids per element in the order of VTK_HEXAHEDRON, `parts` one index into `part_names` per element.
-  void write_topology(std::span<const std::int64_t> elements, std::span<const std::int64_t> nodes,
-                      std::span<const std::int32_t> parts, const std::vector<std::string>& part_names);
+  /// All elements of one part are of one shape; parts follow one another in the order of their elements' ids.
+  struct PartTopology {
+    std::string name;
+    std::int64_t n_elements = 0;
+    const Shape* shape = &hexahedron;
+  };
+  /// Pre: the ranks' elements together are all elements of the model, each once. `nodes` has the global node ids of each
+  /// element in the order of VTK's cell type, `part_of` one index into `parts` per element.
+  void write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
+                      std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts);
 
   /// With `same_entities`, all ids of this rank will be the same as in the frame before.
   void begin_frame(double time, bool same_entities = false);

@@ -47,13 +47,13 @@ void write_elements(RestartWriter& file, const Model& model) {
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
       ids.push_back(store.id(s) - part.first_element);
-      for (int k = 0; k < 8; ++k) nodes.push_back(model.nodes.id[store.node(s, k)]);
+      for (int k = 0; k < store.n_nodes(); ++k) nodes.push_back(model.nodes.id[store.node(s, k)]);
       const std::size_t at = records.size();
       records.resize(at + store.record_size());
       store.pack(s, records.data() + at);
     }
     file.write_entities("elements_" + part.input->name, part.n_elements, ids,
-                        {{"nodes", 8, nodes.data()}, {"state", store.record_size(), records.data()}});
+                        {{"nodes", store.n_nodes(), nodes.data()}, {"state", store.record_size(), records.data()}});
   }
 }
 
@@ -128,13 +128,14 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Pro
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartModel& part = model.parts[p];
     const RestartEntities e = file.read_entities("elements_" + part.input->name);
-    const auto& nodes = e.integer("nodes", 8);
+    const int n_nodes = part.store->n_nodes();
+    const auto& nodes = e.integer("nodes", n_nodes);
     bundle.parts[p].records = e.real("state", part.store->record_size());
     for (std::size_t i = 0; i < e.gids.size(); ++i) {
       bundle.parts[p].ids.push_back(part.first_element + e.gids[i]);
-      std::array<std::int64_t, 8> n{};
-      std::copy_n(nodes.begin() + static_cast<std::ptrdiff_t>(8 * i), 8, n.begin());
-      wanted.insert(wanted.end(), n.begin(), n.end());
+      ElementNodeIds n{};
+      std::copy_n(nodes.begin() + static_cast<std::ptrdiff_t>(i) * n_nodes, n_nodes, n.begin());
+      wanted.insert(wanted.end(), n.begin(), n.begin() + n_nodes);
       bundle.parts[p].nodes.push_back(n);
     }
   }

@@ -120,21 +120,22 @@ int components_of(const std::string& element_field) { return element_field == "s
 void write_topology(const Model& model, ResultsWriter& results) {
   const std::int64_t n = model.n_elements, r = model.rank(), n_ranks = model.n_ranks();
   const std::int64_t first = n * r / n_ranks, last = n * (r + 1) / n_ranks;
-  std::vector<std::int64_t> ids, nodes;
-  std::vector<std::int32_t> parts;
-  std::vector<std::string> names;
+  std::vector<std::int64_t> ids;
+  std::vector<ElementNodeIds> nodes;
+  std::vector<std::int32_t> part_of;
+  std::vector<ResultsWriter::PartTopology> parts;
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartModel& part = model.parts[p];
-    names.push_back(part.input->name);
+    parts.push_back({part.input->name, part.n_elements, &part.store->shape()});
     for (std::int64_t e = std::max(first, part.first_element); e < std::min(last, part.first_element + part.n_elements);
          ++e) {
       ids.push_back(e);
-      parts.push_back(static_cast<std::int32_t>(p));
-      for (const std::int64_t node : part.input->mesh->element(e - part.first_element))
-        nodes.push_back(part.first_node + node);
+      part_of.push_back(static_cast<std::int32_t>(p));
+      nodes.push_back(part.input->mesh->element(e - part.first_element));
+      for (int k = 0; k < part.store->n_nodes(); ++k) nodes.back()[static_cast<std::size_t>(k)] += part.first_node;
     }
   }
-  results.write_topology(ids, nodes, parts, names);
+  results.write_topology(ids, nodes, part_of, parts);
 }
 
 /// Lists what this rank holds, unless that is known. Returns whether it is as it was at the frame before.

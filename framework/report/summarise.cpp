@@ -21,8 +21,9 @@ namespace {
 std::array<double, 3> triple(Vec3 v) { return {v.x, v.y, v.z}; }
 
 struct FlatElement {
-  std::int64_t id, nodes[8], part;
+  std::int64_t id, part;
   double mass;
+  ElementNodeIds nodes;
 };
 
 /// Calls `take` with every live element of this rank.
@@ -32,8 +33,8 @@ void each_element(const Model& model, const Take& take) {
     const PartStore& store = *model.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
-      FlatElement e{store.id(s), {}, static_cast<std::int64_t>(p), store.field(PartStore::mass).at(s, 0)};
-      for (int k = 0; k < 8; ++k) e.nodes[k] = model.nodes.id[store.node(s, k)];
+      FlatElement e{store.id(s), static_cast<std::int64_t>(p), store.field(PartStore::mass).at(s, 0), {}};
+      for (int k = 0; k < store.n_nodes(); ++k) e.nodes[k] = model.nodes.id[store.node(s, k)];
       take(e);
     }
   }
@@ -65,9 +66,10 @@ std::vector<MeasureModel::Element> eroded_elements(const Model& model, const Mea
     const PartModel& part = model.parts[p];
     for (std::int64_t e = 0; e < part.n_elements; ++e) {
       if (gathered.elements[static_cast<std::size_t>(part.first_element + e)].id >= 0) continue;
-      MeasureModel::Element out{part.first_element + e, static_cast<int>(p), 0.0, {}};
+      const Shape& shape = part.store->shape();
+      MeasureModel::Element out{part.first_element + e, static_cast<int>(p), 0.0, {}, &shape};
       const auto corners = part.input->mesh->element(e);
-      for (std::size_t k = 0; k < 8; ++k) out.nodes[k] = static_cast<std::int32_t>(part.first_node + corners[k]);
+      for (int k = 0; k < shape.n_nodes; ++k) out.nodes[k] = static_cast<std::int32_t>(part.first_node + corners[k]);
       eroded.push_back(out);
     }
   }
@@ -88,7 +90,7 @@ MeasureModel gather_model(const Model& model) {
                      {-1, static_cast<int>(p), true, 0.0, {}, {}, {}});
     for (std::size_t n = 0; n < m.nodes.size(); ++n)
       m.nodes[n].reference = reference_position(model, static_cast<std::int64_t>(n));
-    m.elements.resize(static_cast<std::size_t>(model.n_elements), {-1, -1, 0.0, {}});
+    m.elements.resize(static_cast<std::size_t>(model.n_elements), {-1, -1, 0.0, {}, &hexahedron});
   }
   take_on_root<NodeRecord>(
       model, [](const Model& all, const auto& take) { each_node(all, take); },
@@ -105,8 +107,9 @@ MeasureModel gather_model(const Model& model) {
       model, [](const Model& all, const auto& take) { each_element(all, take); },
       [&](const FlatElement& e) {
         MeasureModel::Element& out = m.elements[static_cast<std::size_t>(e.id)];
-        out = {e.id, static_cast<int>(e.part), e.mass, {}};
-        for (int k = 0; k < 8; ++k) out.nodes[k] = static_cast<std::int32_t>(e.nodes[k]);
+        const Shape& shape = model.parts[static_cast<std::size_t>(e.part)].store->shape();
+        out = {e.id, static_cast<int>(e.part), e.mass, {}, &shape};
+        for (int k = 0; k < shape.n_nodes; ++k) out.nodes[k] = static_cast<std::int32_t>(e.nodes[k]);
       });
   if (model.rank() == 0) m.eroded = eroded_elements(model, m);
   std::erase_if(m.elements, [](const MeasureModel::Element& e) { return e.id < 0; });

@@ -111,24 +111,26 @@ void warn_of_idle_parts(const Model& model, const Encounters& encounters, Lines&
   }
 }
 
-/// Whether neither end of a cell's direction is kept from moving along it.
+/// Whether neither end of a cell's direction is kept from moving along it. Pre: a face lies opposite.
 bool is_free_across(const Model& model, const Encounters& encounters, const PartStore& store, int slot, int face) {
-  for (const int side : {face, hexahedron.opposite_face[face]}) {
+  const Shape& shape = store.shape();
+  for (const int side : {face, shape.opposite_face[face]}) {
     std::array<Vec3, 4> x;
-    for (std::size_t k = 0; k < 4; ++k) x[k] = model.nodes.x(store.node(slot, hexahedron.face[side][k]));
+    for (std::size_t k = 0; k < 4; ++k) x[k] = model.nodes.x(store.node(slot, shape.face[side][k]));
     const Vec3 area = cross(x[2] - x[0], x[3] - x[1]);
     const Vec3 normal = area * (1.0 / norm(area));
     for (int k = 0; k < 4; ++k)
-      if (encounters.holds(store.node(slot, hexahedron.face[side][k]), normal)) return false;
+      if (encounters.holds(store.node(slot, shape.face[side][k]), normal)) return false;
   }
   return true;
 }
 
 double distance_across(const Model& model, const PartStore& store, int slot, int face) {
+  const Shape& shape = store.shape();
   Vec3 sum;
   for (int k = 0; k < 4; ++k)
-    sum = sum + model.nodes.x(store.node(slot, hexahedron.face[hexahedron.opposite_face[face]][k])) -
-          model.nodes.x(store.node(slot, hexahedron.face[face][k]));
+    sum = sum + model.nodes.x(store.node(slot, shape.face[shape.opposite_face[face]][k])) -
+          model.nodes.x(store.node(slot, shape.face[face][k]));
   return 0.25 * norm(sum);
 }
 
@@ -146,8 +148,10 @@ struct SingleLayers {
       for (; i < facets.size() && facets[i].part == first.part && facets[i].slot == first.slot; ++i)
         faces |= 1u << facets[i].face;
       const PartStore& store = *model.parts[index(first.part)].store;
-      for (const int face : {0, 2, 3}) {  // one of each pair
-        const unsigned pair = 1u << face | 1u << hexahedron.opposite_face[face];
+      for (int face = 0; face < store.shape().n_faces; ++face) {
+        const int opposite = store.shape().opposite_face[face];
+        if (opposite < face) continue;  // one of each pair
+        const unsigned pair = 1u << face | 1u << opposite;
         if ((faces & pair) != pair || !is_free_across(model, encounters, store, first.slot, face)) continue;
         ++n_cells[index(first.part)];
         double& most = thickness[index(first.part)];
@@ -202,8 +206,8 @@ void warn_of_swallowing_planes(const Model& model, Lines& lines) {
       const PartStore& store = *model.parts[p].store;
       for (int s = 0; s < store.n_slots(); ++s) {
         int n = 0;
-        for (int k = 0; k < 8 && store.live(s); ++k) n += on_plane[index(store.node(s, k))];
-        if (n > 4) ++n_swallowed[p];
+        for (int k = 0; k < store.n_nodes() && store.live(s); ++k) n += on_plane[index(store.node(s, k))];
+        if (n > 4) ++n_swallowed[p];  // more than a face
       }
     }
     sum_of_all(model.comm, n_swallowed);

@@ -13,6 +13,7 @@ namespace {
 using namespace kerf;
 
 struct Hex8 final : Element {
+  const Shape& shape() const override { return hexahedron; }
   std::string hourglass, stable_step;
   double hourglass_coefficient = 0.0, linear_viscosity = 0.0, quadratic_viscosity = 0.0;
   bool linear_viscosity_limiter = true;

@@ -30,6 +30,7 @@ struct Fuse final : PointwiseErosion<Fuse> {
 };
 
 struct Limp final : Element {
+  const Shape& shape() const override { return hexahedron; }
   static void describe(Schema<Limp>&) {}
 
   void initialise(ElementWork& w) const override { std::fill_n(w.least_step, lane_width, 1e-7); }

@@ -254,14 +254,15 @@ struct Bar {
 
 void write_topology(ResultsWriter& writer, const Bar& bar, int rank, int n_ranks) {
   const Ids elements = held_ids(bar.n_elements, rank, n_ranks, 0);
-  Ids nodes;
+  std::vector<ElementNodeIds> nodes;
   std::vector<std::int32_t> parts;
   for (const std::int64_t e : elements) {
     const Ids corners = bar.nodes_of(e);
-    nodes.insert(nodes.end(), corners.begin(), corners.end());
+    std::copy(corners.begin(), corners.end(), nodes.emplace_back().begin());
     parts.push_back(e < bar.n_elements / 2 ? 0 : 1);
   }
-  writer.write_topology(elements, nodes, parts, {"rod", "plate"});
+  writer.write_topology(elements, nodes, parts,
+                        {{"rod", bar.n_elements / 2}, {"plate", bar.n_elements - bar.n_elements / 2}});
 }
 
 void write_frame(ResultsWriter& writer, const Bar& bar, int frame, int rank, int n_ranks, bool finish = true) {
@@ -342,6 +343,47 @@ TEST_F(Results, frames_are_stored_in_global_order_in_both_precisions) {
     }
     MPI_Barrier(MPI_COMM_WORLD);
   }
+}
+
+TEST_F(Results, parts_of_different_shapes_have_cells_of_their_own) {
+  // Seven tetrahedra, three hexahedra and two tetrahedra; element e has the nodes 8 e, 8 e + 1, ...
+  constexpr Shape tetrahedron{.name = "tetrahedron", .n_nodes = 4, .vtk_type = 10};
+  const std::vector<ResultsWriter::PartTopology> parts = {
+      {"first", 7, &tetrahedron}, {"second", 3, &hexahedron}, {"third", 2, &tetrahedron}};
+  const std::string file = path("mixed.vtkhdf");
+  const Ids elements = held_ids(12, rank, n_ranks, 0);
+  {
+    ResultsWriter writer(MPI_COMM_WORLD, file, 96, 12, true);
+    std::vector<ElementNodeIds> nodes;
+    std::vector<std::int32_t> part_of;
+    for (const std::int64_t e : elements) {
+      ElementNodeIds& n = nodes.emplace_back();
+      for (std::size_t k = 0; k < n.size(); ++k) n[k] = 8 * e + static_cast<std::int64_t>(k);
+      part_of.push_back(e < 7 ? 0 : e < 10 ? 1 : 2);
+    }
+    writer.write_topology(elements, nodes, part_of, parts);
+    writer.begin_frame(0.0);
+    const Ids held = held_ids(96, rank, n_ranks, 0);
+    const std::vector<double> x(3 * held.size(), 1.0);
+    writer.add_points(held, {x.data(), held.size(), 3, nullptr});
+    writer.add_alive(elements);
+    writer.end_frame();
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank == 0) {
+    Ids nodes, offsets = {0};
+    std::vector<std::uint8_t> types;
+    for (std::int64_t e = 0; e < 12; ++e) {
+      const bool is_brick = e >= 7 && e < 10;
+      for (std::int64_t k = 0; k < (is_brick ? 8 : 4); ++k) nodes.push_back(8 * e + k);
+      offsets.push_back(static_cast<std::int64_t>(nodes.size()));
+      types.push_back(is_brick ? 12 : 10);
+    }
+    EXPECT_EQ(read_table<std::int64_t>(file, "VTKHDF/Connectivity"), nodes);
+    EXPECT_EQ(read_table<std::int64_t>(file, "VTKHDF/Offsets"), offsets);
+    EXPECT_EQ(read_table<std::uint8_t>(file, "VTKHDF/Types"), types);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
 }
 
 TEST_F(Results, more_ranks_than_elements_and_frames_without_live_elements_work) {

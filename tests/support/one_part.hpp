@@ -105,7 +105,7 @@ class PartOf {
     for (std::size_t e = 0; e < elements_.size(); ++e) {
       const double volume = volume_by_divergence(mesh, elements_[e]);
       store_.initial_record(laws.compression * density_ * volume, record.data());
-      store_.put(static_cast<int>(e), static_cast<std::int64_t>(e), elements_[e], record.data());
+      store_.put(static_cast<int>(e), static_cast<std::int64_t>(e), elements_[e].data(), record.data());
     }
     // The dummy nodes form a cube that is larger than any element, so that it never sets the time step.
     const double edge = 16.0 * std::cbrt(volume_by_divergence(mesh, elements_[0]));

@@ -45,12 +45,14 @@ struct Limit final : ErosionCriterion {
 };
 
 struct Brick final : Element {
+  const Shape& shape() const override { return hexahedron; }
   static void describe(Schema<Brick>&) {}
   void add_internal_forces(ElementWork&) const override {}
   void initialise(ElementWork&) const override {}
 };
 
 struct SmallBrick final : Element {
+  const Shape& shape() const override { return hexahedron; }
   static void describe(Schema<SmallBrick>&) {}
   void add_internal_forces(ElementWork&) const override {}
   void initialise(ElementWork&) const override {}

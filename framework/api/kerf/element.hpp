@@ -9,6 +9,7 @@
 #include "kerf/erosion.hpp"
 #include "kerf/law.hpp"
 #include "kerf/material.hpp"
+#include "kerf/shape.hpp"
 
 namespace kerf {
 
@@ -49,7 +50,7 @@ struct ElementArrays {
   double reference_density = 0.0;
   // elements
   int n_blocks = 0;
-  const std::int32_t* nodes = nullptr;  // [block][8][lane]
+  const std::int32_t* nodes = nullptr;  // [block][nodes of the shape][lane]
   const double* mass = nullptr;  // [kg]
   double* volume = nullptr;  // [m3]
   Real* deviator = nullptr;  // [block][6][lane] [Pa]
@@ -75,6 +76,8 @@ using SingleElementWork = ElementArrays<float>;
 
 class Element : public Law {
  public:
+  /// Which nodes the element has, and which of them make its faces. The mesh of a part must have the same shape.
+  virtual const Shape& shape() const = 0;
   /// Integrates one step of all blocks and adds their forces.
   virtual void add_internal_forces(ElementWork& work) const = 0;
   /// Sets volume, pressure and the stable step, and adds the forces of an initial pressure. For the first cycle.

@@ -8,6 +8,7 @@
 
 #include "kerf/math.hpp"
 #include "kerf/plugin.hpp"
+#include "kerf/shape.hpp"
 
 namespace kerf {
 
@@ -27,7 +28,8 @@ struct MeasureModel {
     std::int64_t id = 0;
     int part = 0;
     double mass = 0.0;  // [kg]
-    std::array<std::int32_t, 8> nodes{};  // indices into `nodes`
+    std::array<std::int32_t, Shape::most_nodes> nodes{};  // indices into `nodes`
+    const Shape* shape = &hexahedron;
   };
   std::vector<Node> nodes;
   std::vector<Element> elements;  // live ones

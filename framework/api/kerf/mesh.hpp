@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kerf/schema.hpp"
+#include "kerf/shape.hpp"
 
 namespace kerf {
 
@@ -23,8 +24,10 @@ class MeshGenerator : public Plugin {
   virtual std::int64_t n_elements() const = 0;
   /// Position of a node before the part is placed [m].
   virtual Vec3 node(std::int64_t i) const = 0;
-  /// Nodes of an element: bottom face counter-clockwise seen from above, then top face (positive volume).
-  virtual std::array<std::int64_t, 8> element(std::int64_t e) const = 0;
+  /// The shape of all elements.
+  virtual const Shape& shape() const { return hexahedron; }
+  /// Nodes of an element in the order of its shape (positive volume).
+  virtual ElementNodeIds element(std::int64_t e) const = 0;
   /// Names of the faces of the body ("x_min", "lateral", ...), for sets and boundary conditions.
   virtual std::vector<std::string> face_names() const = 0;
   /// Whether a node lies on a named face (index into face_names()).

@@ -1,12 +1,17 @@
 // Shapes of elements: which of an element's nodes make its faces and edges. The only place that numbers corners.
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 namespace kerf {
 
 /// What surface, contact, measures and output know of a kind of element. Nodes are numbered from 0. A face lists its
 /// corners counter-clockwise as seen from outside; a triangle repeats its last corner, so that all faces have four.
 struct Shape {
   static constexpr int most_nodes = 8, most_faces = 6, most_edges = 12;
+  /// The id of a facet is this times the id of its element, plus the number of the face.
+  static constexpr int code_of_faces = 8;
 
   const char* name = "";
   int n_nodes = 0, n_faces = 0, n_edges = 0;
@@ -20,6 +25,9 @@ struct Shape {
   /// Corners of a face: 3 or 4.
   constexpr int n_corners(int f) const { return face[f][3] == face[f][2] ? 3 : 4; }
 };
+
+/// Nodes of one element, by global id or local number; entries beyond the shape's number of nodes mean nothing.
+using ElementNodeIds = std::array<std::int64_t, Shape::most_nodes>;
 
 /// The face of a shape whose corners are the given ones in any order, or -1.
 constexpr int face_with(const Shape& shape, const int (&corners)[4]) {
