@@ -99,6 +99,13 @@ class Validator {
         diagnostics_.error(origins_.find("precision"),
                            fmt::format("the element {} of part `{}` computes in double precision only; expected double",
                                        part->element->type, part->name));
+    for (const auto& part : model_.parts)
+      if (part->mesh && part->element && part->mesh->shape().name != std::string(part->element->shape().name))
+        diagnostics_.error(
+            part->mesh->origin,
+            fmt::format("the mesh of part `{}` is made of cells of the shape {}, and the element {} is a "
+                        "{}; expected one shape",
+                        part->name, part->mesh->shape().name, part->element->type, part->element->shape().name));
     for (const std::string& name : sets_)
       if (contains(parts_, name))
         diagnostics_.error(origins_.find("sets." + name),

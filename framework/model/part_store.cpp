@@ -19,11 +19,7 @@ StateVariable core(const char* name, const char* unit, double initial = 0.0) {
 
 PartStore::PartStore(int index, const Element& element, const Material& material, const Eos& eos,
                      const std::vector<StateVariable>& erosion_variables, Precision precision)
-    : shape_(&element.shape()),
-      n_nodes_(shape_->n_nodes),
-      index_(index),
-      precision_(precision),
-      fields_(n_fields) {
+    : shape_(&element.shape()), n_nodes_(shape_->n_nodes), index_(index), precision_(precision), fields_(n_fields) {
   const auto declare = [&](FieldIndex f, const char* name, std::vector<StateVariable> variables) {
     fields_[f].name = name;
     fields_[f].n_components = static_cast<int>(variables.size());

@@ -122,7 +122,8 @@ class PartStore {
 
  private:
   std::size_t node_index(int slot, int corner) const {
-    return (static_cast<std::size_t>(slot / lane_width) * static_cast<std::size_t>(n_nodes_) + corner) * lane_width + slot % lane_width;
+    return (static_cast<std::size_t>(slot / lane_width) * static_cast<std::size_t>(n_nodes_) + corner) * lane_width +
+           slot % lane_width;
   }
   void resize(int n_slots);
   void clear_slot(int slot);

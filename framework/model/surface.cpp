@@ -128,12 +128,13 @@ void Surface::match_remote(const SurfaceMesh& mesh, const std::vector<std::int64
       needed.push_back({found[i].element, found[i].rank});
     }
     neighbour_[where[i] / Shape::code_of_faces][where[i] % Shape::code_of_faces] = first_remote - it->second;
-    remote_faces_.push_back(
-        {it->second, static_cast<std::int32_t>(where[i] / Shape::code_of_faces), static_cast<std::int32_t>(where[i] % Shape::code_of_faces)});
+    remote_faces_.push_back({it->second, static_cast<std::int32_t>(where[i] / Shape::code_of_faces),
+                             static_cast<std::int32_t>(where[i] % Shape::code_of_faces)});
   }
   std::unordered_map<std::int64_t, std::int32_t> local;
   for (std::size_t i = 0; i < found.size(); ++i)
-    if (found[i].element >= 0) local.emplace(faces[i].element, static_cast<std::int32_t>(where[i] / Shape::code_of_faces));
+    if (found[i].element >= 0)
+      local.emplace(faces[i].element, static_cast<std::int32_t>(where[i] / Shape::code_of_faces));
   plan_ = std::make_unique<ExchangePlan>(mesh.comm, needed, [&](std::int64_t id) { return local.at(id); });
   remote_alive_.assign(remote_id_.size(), 1);
 }

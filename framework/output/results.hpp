@@ -44,8 +44,8 @@ class ResultsWriter {
     std::int64_t n_elements = 0;
     const Shape* shape = &hexahedron;
   };
-  /// Pre: the ranks' elements together are all elements of the model, each once. `nodes` has the global node ids of each
-  /// element in the order of VTK's cell type, `part_of` one index into `parts` per element.
+  /// Pre: the ranks' elements together are all elements of the model, each once. `nodes` has the global node ids of
+  /// each element in the order of VTK's cell type, `part_of` one index into `parts` per element.
   void write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
                       std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts);
 

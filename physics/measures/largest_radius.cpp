@@ -44,7 +44,8 @@ class LargestRadius final : public Measure {
     double largest = -1.0;
     for (const MeasureModel::Element& e : model.elements) {
       if (e.part != number) continue;
-      for (const auto& edge : hexahedron.edge) {
+      for (int k = 0; k < e.shape->n_edges; ++k) {
+        const auto& edge = e.shape->edge[k];
         const Vec3 p = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[0])])].position;
         const Vec3 q = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[1])])].position;
         largest = max_of(largest, at_height < 0.0 ? max_of(radius(p, a), radius(q, a)) : radius_at(p, q, a, height));

@@ -20,8 +20,9 @@ class ResidualVelocity final : public Measure {
     for (const std::int32_t i : largest_body(model, measured_part(model, part, *this), Link::node)) {
       const MeasureModel::Element& e = model.elements[static_cast<std::size_t>(i)];
       mass += e.mass;
-      for (const std::int32_t n : e.nodes)
-        momentum = momentum + 0.125 * e.mass * model.nodes[static_cast<std::size_t>(n)].velocity;
+      const double share = 1.0 / e.shape->n_nodes;
+      for (const std::int32_t n : MeasureModel::nodes_of(e))
+        momentum = momentum + share * e.mass * model.nodes[static_cast<std::size_t>(n)].velocity;
     }
     if (!(mass > 0.0)) {
       const std::string reason = nothing_left(part);

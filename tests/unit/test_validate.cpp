@@ -61,6 +61,15 @@ struct SmallBrick final : Element {
   void initialise_single(SingleElementWork&) const override {}
 };
 
+constexpr Shape pyramid{.name = "pyramid", .n_nodes = 5};
+
+struct Pyramid final : Element {
+  const Shape& shape() const override { return pyramid; }
+  static void describe(Schema<Pyramid>&) {}
+  void add_internal_forces(ElementWork&) const override {}
+  void initialise(ElementWork&) const override {}
+};
+
 struct OneRank final : Partitioner {
   static void describe(Schema<OneRank>&) {}
   std::vector<int> partition(const PartitionProblem&) override { return {}; }
@@ -89,6 +98,7 @@ class Validate : public testing::Test {
     registry.add_type<Limit>("erosion", "limit", "", "");
     registry.add_type<Brick>("element", "hex8", "", "");
     registry.add_type<SmallBrick>("element", "small_brick", "", "");
+    registry.add_type<Pyramid>("element", "pyramid", "", "");
     registry.add_type<OneRank>("partitioner", "zoltan_rcb", "", "");
     registry.add_type<Speed>("measure", "speed", "", "");
     registry.add_type<Clamp>("boundary", "clamp", "", "");
@@ -144,6 +154,12 @@ TEST_F(Validate, FindsElementsThatDoNotComputeInSinglePrecision) {
   EXPECT_EQ(errors({"precision=single", "parts.rod.element={type: small_brick}"}),
             Lines{"--set precision=single: error: the element hex8 of part `plate` computes in double precision only; "
                   "expected double"});
+}
+
+TEST_F(Validate, FindsMeshesOfAnotherShapeThanTheElement) {
+  EXPECT_EQ(errors({"parts.rod.element={type: pyramid}"}),
+            Lines{"a.yaml:5:9: error: the mesh of part `rod` is made of cells of the shape hexahedron, and the element "
+                  "pyramid is a pyramid; expected one shape"});
 }
 
 TEST_F(Validate, FindsAPartAndASetOfOneName) {

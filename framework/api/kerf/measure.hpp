@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ struct MeasureModel {
     std::array<std::int32_t, Shape::most_nodes> nodes{};  // indices into `nodes`
     const Shape* shape = &hexahedron;
   };
+  /// The nodes that an element has.
+  static std::span<const std::int32_t> nodes_of(const Element& e) {
+    return {e.nodes.data(), static_cast<std::size_t>(e.shape->n_nodes)};
+  }
   std::vector<Node> nodes;
   std::vector<Element> elements;  // live ones
   std::vector<Element> eroded;  // elements that have eroded, with mass zero

@@ -17,7 +17,15 @@ using Facet = std::array<std::int32_t, 4>;
 Facet face_of(const MeasureModel::Element& e, int face) {
   Facet f{};
   for (int k = 0; k < 4; ++k)
-    f[static_cast<std::size_t>(k)] = e.nodes[static_cast<std::size_t>(hexahedron.face[face][k])];
+    f[static_cast<std::size_t>(k)] = e.nodes[static_cast<std::size_t>(e.shape->face[face][k])];
+  return f;
+}
+
+/// Sorted nodes of a face, the same from either side: a triangle repeats its greatest node.
+Facet key_of(Facet f) {
+  std::sort(f.begin(), f.end());
+  const auto end = std::unique(f.begin(), f.end());
+  std::fill(end, f.end(), *(end - 1));
   return f;
 }
 
@@ -52,11 +60,8 @@ std::vector<FaceEntry> sorted_faces(const MeasureModel& model, const std::vector
   std::vector<FaceEntry> faces;
   faces.reserve(6 * elements.size());
   for (const std::int32_t e : elements) {
-    for (int f = 0; f < 6; ++f) {
-      FaceEntry entry{face_of(model.elements[static_cast<std::size_t>(e)], f), e, f};
-      std::sort(entry.key.begin(), entry.key.end());
-      faces.push_back(entry);
-    }
+    const MeasureModel::Element& element = model.elements[static_cast<std::size_t>(e)];
+    for (int f = 0; f < element.shape->n_faces; ++f) faces.push_back({key_of(face_of(element, f)), e, f});
   }
   std::sort(faces.begin(), faces.end());
   return faces;
@@ -71,7 +76,7 @@ void join_through_faces(const MeasureModel& model, const std::vector<std::int32_
 void join_through_nodes(const MeasureModel& model, const std::vector<std::int32_t>& elements, Groups& groups) {
   std::vector<std::int32_t> first(model.nodes.size(), -1);  // an element of each node
   for (const std::int32_t e : elements) {
-    for (const std::int32_t n : model.elements[static_cast<std::size_t>(e)].nodes) {
+    for (const std::int32_t n : MeasureModel::nodes_of(model.elements[static_cast<std::size_t>(e)])) {
       std::int32_t& known = first[static_cast<std::size_t>(n)];
       if (known < 0)
         known = e;
@@ -174,8 +179,8 @@ class Vertices {
   std::unordered_map<std::int32_t, std::int32_t> number_;
 };
 
-/// Whether a face, as its sorted nodes, is a line because its hexahedron is collapsed there. It bounds nothing.
-bool is_line(const Facet& key) { return (key[0] == key[1]) + (key[1] == key[2]) + (key[2] == key[3]) > 1; }
+/// Whether a face, by its key, is a line because its element is collapsed there. It bounds nothing.
+bool is_line(const Facet& key) { return key[1] == key[2] || key[0] == key[1]; }
 
 }  // namespace
 
@@ -206,8 +211,9 @@ int measured_part(const MeasureModel& model, const std::string& part, const Plug
 
 Vec3 centroid(const MeasureModel& model, const MeasureModel::Element& element) {
   Vec3 sum;
-  for (const std::int32_t n : element.nodes) sum = sum + model.nodes[static_cast<std::size_t>(n)].position;
-  return sum * 0.125;
+  for (const std::int32_t n : MeasureModel::nodes_of(element))
+    sum = sum + model.nodes[static_cast<std::size_t>(n)].position;
+  return sum * (1.0 / element.shape->n_nodes);
 }
 
 std::vector<std::int32_t> largest_body(const MeasureModel& model, int part, Link link) {
@@ -306,13 +312,12 @@ BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 direction,
   for (const auto* elements : {&model.elements, &model.eroded})
     for (const MeasureModel::Element& e : *elements) {
       if (e.part != part) continue;
-      for (int f = 0; f < 6; ++f) {
-        Facet facet = face_of(e, f), key = facet;
+      for (int f = 0; f < e.shape->n_faces; ++f) {
+        Facet facet = face_of(e, f);
         if (!std::all_of(facet.begin(), facet.end(),
                          [&](auto n) { return in_plane[static_cast<std::size_t>(n)] != 0; }))
           continue;
-        std::sort(key.begin(), key.end());
-        if (is_line(key)) continue;
+        if (is_line(key_of(facet))) continue;
         for (std::int32_t& n : facet) n = vertices.of(n);
         surface.facets.push_back(facet);
       }
