@@ -1,4 +1,5 @@
-// A tree of boxes over what are neighbours in the list as a rule, as elements along a space-filling curve are.
+// A tree of boxes over a list whose neighbours are usually close in space, for example elements along a space-filling
+// curve.
 #pragma once
 
 #include <algorithm>

@@ -15,7 +15,7 @@ namespace kerf {
 
 namespace {
 
-/// Facets with other boxes than before, and clusters of slaves with such.
+/// Facets and clusters of slaves whose boxes have changed since the last search.
 struct Changed {
   std::vector<std::int32_t> boxes, own_boxes;
   std::vector<char> clusters, own_clusters;  // per cluster, whether

@@ -19,10 +19,13 @@ namespace kerf {
 
 namespace {
 
-constexpr double candidate_work = 0.3;  // of a candidate between two searches, in that of looking for some at one
-constexpr double worst_share = 1.1;  // of the work, over the mean rank's, that boxes of space are kept at
-constexpr std::int64_t renewals = 5;  // intervals from one search of everything to the next
-constexpr double spare_share = 0.05;  // of the edge of a rank's box of space, that slaves may leave it by till then
+constexpr double candidate_work =
+    0.3;  // cost of keeping one candidate until the next search, over the cost of searching for one slave
+constexpr double worst_share =
+    1.1;  // ranks keep their boxes of space while the busiest has at most this times the mean work
+constexpr std::int64_t renewals = 5;  // search intervals between two complete searches
+constexpr double spare_share =
+    0.05;  // distance that slaves may leave their rank's box before the next search, over its edge
 
 }  // namespace
 

@@ -72,7 +72,7 @@ struct Foresight {
 /// that move like it. Only the size of the boxes depends on it, and how long they can be kept. Collective.
 void ContactEngine::choose_frames(const Model& model, const std::vector<std::int32_t>& surface) {
   constexpr int n_rounds = 4;
-  constexpr double floor = 1e-6;  // of its own square, that a mean's uncertainty is not taken to be less than
+  constexpr double floor = 1e-6;  // lower bound of the variance of a mean velocity, over the square of the mean
   constexpr std::size_t n_sums = 8;
   part_frames_.assign(model.parts.size(), {});
   constexpr double unknown = 1e300;  // of parts without elements

@@ -62,8 +62,8 @@ struct SlaveCluster {
 
 /// The slaves of one part.
 struct PartSlaves {
-  /// What is asked about a slave whose box is met: its record would have to be fetched from afar. Where a cluster has
-  /// room left, the box is empty.
+  /// What the search needs of a slave once its box is hit, copied here to save a cache miss on the record. Unused
+  /// places of a cluster have an empty box.
   struct Place {
     std::int32_t slave = -1;
     std::int32_t node = -1;  // number

@@ -129,7 +129,7 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
   // velocity before it: what the rest of the kick will do (a wall that is hit, a motion that stops) stays out.
   const double share = next.last_dt / (next.last_dt + next.dt);
   const auto n = static_cast<std::size_t>(nodes.n());
-  // What ghosts would add is left at zero, which no sum minds.
+  // Entries of ghosts stay zero: only the owner of a node counts it.
   std::vector<double> kinetic(n), momentum[3] = {kinetic, kinetic, kinetic};
   const auto enter = [&](std::size_t i, Vec3 v, Vec3 w) {
     const double mass = nodes.owned[i] != 0 ? nodes.mass[i] : 0.0;

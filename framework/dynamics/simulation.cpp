@@ -173,7 +173,8 @@ void Simulation::renumbered() {
   for (auto& c : contacts_) c->renumbered(model_);
 }
 
-/// What all definitions together put on each node, as a restart file has it: the work of a sum is rounded once.
+/// Sum of the contact forces of all definitions per node. The restart file stores this sum, so its work must also be
+/// computed from the sum: one rounding, not one per definition.
 ContactLoad Simulation::load() const {
   if (contacts_.size() == 1) return contacts_.front()->load();
   struct Part {

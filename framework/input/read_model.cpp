@@ -27,7 +27,7 @@ void digest(const Node& node, std::uint64_t& hash) {
   }
 }
 
-/// What means the same as nothing, in files that were written before there was a choice too.
+/// Whether an entry means the same as leaving its key out. Restart files from before the key existed still match then.
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
 
 /// Of precision, materials, parts, sets, boundaries, contacts, checks and the choice of the time step: what is

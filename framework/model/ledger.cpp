@@ -53,7 +53,7 @@ void Ledger::open(Model& model) {
 }
 
 void Ledger::close(const Model& model, Balance& b) const {
-  // What empty slots would add is left at zero, which no sum minds.
+  // Entries of empty slots stay zero.
   std::size_t n = 0, at = 0;
   for (const PartModel& part : model.parts) n += static_cast<std::size_t>(part.store->n_slots());
   std::vector<double> internal(n), viscous(n), mass(n);

@@ -19,8 +19,9 @@ struct ContactRow {
 
 /// The contact surface as one rank sees it. Lists of facets belonging to a node are sorted by facet id, so that
 /// whatever a plugin sums or chooses along them is the same on any number of ranks; the order of nodes and facets
-/// themselves means nothing, ties are broken by id. Which facets beyond their reach are listed varies, and some nodes
-/// and facets are listed that no row refers to: a law must not let them matter. Positions and velocities have four
+/// themselves means nothing, ties are broken by id. The lists may hold
+/// facets beyond their reach, and nodes and facets that no row uses. Which ones depends on the search and on the ranks,
+/// so a law must give the same result with and without them. Positions and velocities have four
 /// entries per node, on boundaries of 32 bytes; the fourth one of a position says which axes boundary conditions hold.
 ///
 /// Positions and velocities are predicted: the velocity that a node will have in the coming step if contact does
@@ -127,8 +128,8 @@ struct ContactRequest {
 /// What is known about a facet before the next search.
 struct FacetBounds {
   double edge = 0.0;  // longest one of the undeformed facet [m]
-  double longest_edge = 0.0;  // that the facet's edges will not exceed [m]
-  double thickness = 0.0;  // that the lesser of V/A and the longest edge will not exceed; V/A has no bound [m]
+  double longest_edge = 0.0;  // upper bound of the facet's edges until the next search [m]
+  double thickness = 0.0;  // upper bound, until the next search, of min(V/A, longest edge) [m]; V/A alone has none
 };
 
 class Contact : public Plugin {

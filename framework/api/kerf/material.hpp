@@ -99,8 +99,8 @@ class PointwiseMaterial : public Material {
     const Real(*const old_stress)[lane_width] = b.deviator;
     const Real *const density = b.density, *const energy = b.specific_energy, *const pressure = b.pressure;
     const double* const old_state = b.state;
-    // Results go to the stack first: stored where the law's constants might lie, they would make every lane compute
-    // anew what follows from those.
+    // Results go to local arrays first. Written straight to b, they could alias the law's constants, and the compiler
+    // would recompute everything derived from the constants for each lane.
     alignas(64) Real stress[6][lane_width], modulus[lane_width];
     detail::LaneVariables<State> state;
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
