@@ -31,7 +31,7 @@ class CandidateSearch {
   void refresh(const std::vector<ContactFacetRecord>& facets, const std::vector<ContactNodeRecord>& slaves);
   /// The same for many at once: what grew or came late since the search does not make later calls dearer any more.
   void renew(const std::vector<ContactFacetRecord>& facets, const std::vector<ContactNodeRecord>& slaves);
-  /// The present candidates. Until the next search the lists of nodes and facets only grow: new ones are appended, and
+  /// Valid until the next call. Until the next search the lists of nodes and facets only grow: new ones are appended, and
   /// unused ones stay. If new nodes had to be appended and records come from several ranks, the nodes behind every
   /// facet are appended too.
   const Candidates& candidates();
