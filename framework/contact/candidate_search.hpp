@@ -31,8 +31,8 @@ class CandidateSearch {
   void refresh(const std::vector<ContactFacetRecord>& facets, const std::vector<ContactNodeRecord>& slaves);
   /// The same for many at once: what grew or came late since the search does not make later calls dearer any more.
   void renew(const std::vector<ContactFacetRecord>& facets, const std::vector<ContactNodeRecord>& slaves);
-  /// Valid until the next call. Until the next search the lists of nodes and facets only grow: new ones are appended, and
-  /// unused ones stay. If new nodes had to be appended and records come from several ranks, the nodes behind every
+  /// Valid until the next call. Until the next search the lists of nodes and facets only grow: new ones are appended,
+  /// and unused ones stay. If new nodes had to be appended and records come from several ranks, the nodes behind every
   /// facet are appended too.
   const Candidates& candidates();
   /// Whether so many facets came or grew since the search or renewal that another one costs less than going on.
