@@ -268,15 +268,25 @@ def test_a_resumed_run_cannot_write_other_fields(case, ranks, setting, says):
     assert list(frames(case / "out")) == before
 
 
+def cycle_of(restart):
+    """The cycle in which a restart file was written, or None where there is no file."""
+    if not restart.exists():
+        return None
+    with h5py.File(restart) as file:
+        return int(file["attributes/counters"][0])
+
+
 @pytest.mark.parametrize("key", ["results_interval", "history_interval", "restart_interval"])
 def test_an_interval_shorter_than_any_cycle_is_every_cycle(case, key):
-    few = settings(LONG | {"time.maximum_cycles": 5, f"output.{key}": "1e-30"})
+    few = settings(LONG | {"time.maximum_cycles": 5, f"output.{key}": "1e-30", "output.restart_at_end": "false"})
     done = kerf("run", "case.yaml", "--output", "out", *few, cwd=case)
     assert done.returncode == 0, done.stderr
     if key == "results_interval":
         assert len(frames(case / "out")) == 6
     if key == "history_interval":
         assert len(columns(case / "out")) == 6
+    cycles = [cycle_of(case / "out" / "restart" / name) for name in ("restart.h5", "restart_previous.h5")]
+    assert cycles == ([5, 4] if key == "restart_interval" else [None, None])
 
 
 def test_ranks_do_not_outlive_the_command_that_started_them(case):

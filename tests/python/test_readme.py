@@ -1,4 +1,4 @@
-"""What the README says is true: its links, its table of types, its example of a plugin, the cases' commands."""
+"""What the README says is true: its table of types, its example of a plugin, the cases' commands; links of all pages."""
 
 import os
 import re
@@ -12,17 +12,29 @@ BUILD = Path(os.environ.get("KERF_BUILD_DIR", SOURCE / "build")).resolve()
 KERF = os.environ.get("KERF_BINARY", str(BUILD / "bin" / "kerf"))
 README = (SOURCE / "README.md").read_text()
 CASES = sorted((SOURCE / "inputs").glob("*/README.md"))
+# The reference pages have a test of their own.
+PAGES = [*SOURCE.glob("*.md"), *CASES, SOURCE / "doc" / "README.md",
+         *(page for room in ("users", "theory", "plugin-authors", "developers")
+           for page in sorted((SOURCE / "doc" / room).glob("*.md")))]
 
 
 def call(*words):
     return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=300, cwd=SOURCE)
 
 
-@pytest.mark.parametrize("page", [SOURCE / "README.md", *CASES], ids=lambda path: str(path.relative_to(SOURCE)))
+def links(text):
+    text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    return [target for target in re.findall(r"\]\(([^)#]+)", text) if not target.startswith("http")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(SOURCE)))
 def test_links_lead_to_files(page):
-    for target in re.findall(r"\]\(([^)#]+)", page.read_text()):
-        if not target.startswith("http"):
-            assert (page.parent / target).exists(), target
+    for target in links(page.read_text()):
+        assert (page.parent / target).exists(), target
+
+
+def test_links_are_found():
+    assert {"LICENSE", "doc/README.md"} <= set(links(README))
 
 
 def test_quick_start_has_the_two_commands():

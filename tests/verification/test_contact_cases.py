@@ -98,6 +98,7 @@ def test_plates_strain_each_other_as_a_rigid_wall_does(case):
     def face(name, x):
         r = case(name).results
         at = np.abs(r.centres(0)[:, 0] - x) < 0.06e-3
+        assert at.any()
         return r.cell("effective_plastic_strain", -1)[at], r.cell("pressure", -1)[at]
 
     for found, wall in zip(face("c29_contact_zone", 0.05e-3), face("c29w_wall", 0.05e-3)):
