@@ -23,7 +23,7 @@ def call(*words):
 
 
 def links(text):
-    text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"^```.*?^```|`[^`\n]*`", "", text, flags=re.MULTILINE | re.DOTALL)
     return [target for target in re.findall(r"\]\(([^)#]+)", text) if not target.startswith("http")]
 
 
