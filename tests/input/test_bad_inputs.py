@@ -71,8 +71,8 @@ FILES = {
     "nothing to resume from": (["case.yaml", "--resume", "--output", "new"],
                                "new/restart/restart.h5: error: there is no restart file to resume from; a run writes "
                                "one at its end (unless output.restart_at_end is false), when a signal stops it and, if "
-                               "output.restart_interval is given, on the way; run without --resume, or name the folder of the earlier run with "
-                               "--output"),
+                               "output.restart_interval is given, on the way; run without --resume, or name "
+                               "the folder of the earlier run with --output"),
     "output into a file": (["case.yaml", "--output", "case.yaml"],
                            "case.yaml: error: the folder for the results cannot be made: Not a directory; name another "
                            "with --output"),

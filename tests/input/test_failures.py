@@ -23,8 +23,8 @@ FAILURES = {
          "boundaries": "[{type: fixed, nodes: bottom}, {type: prescribed_motion, nodes: top, components: z, "
                        "velocity: 0 0 -20000 m/s}]", "checks.energy_growth": "1.0e+12",
          "parts.target.element": "{type: hex8, linear_viscosity: 0, quadratic_viscosity: 0}"},
-        r"ELEMENT is inverted \(its volume is not positive\); give its material the erosion criterion inversion, refine "
-        r"the mesh, or use more hourglass control; at TIME"),
+        r"ELEMENT is inverted \(its volume is not positive\); give its material the erosion criterion inversion, "
+        r"refine the mesh, or use more hourglass control; at TIME"),
     "stress that is no number": (
         {"materials.copper.eos": "{type: linear_polynomial, C1: 130 GPa, C2: 1.0e+300, C3: 1.0e+300}"},
         r"the forces of ELEMENT are not finite or beyond all bounds at TIME"),
@@ -43,8 +43,8 @@ FAILURES = {
         r"time.safety_factor; at TIME"),
     "time step that collapses": (
         {"time.minimum_step": "150 ns"},
-        r"the stable time step of ELEMENT is \S+ s \(times safety_factor 0.9\), below the minimum of 1.5e-07 s; give its "
-        r"material the erosion criterion minimum_time_step or lower time.minimum_step; at TIME"),
+        r"the stable time step of ELEMENT is \S+ s \(times safety_factor 0.9\), below the minimum of 1.5e-07 s; give "
+        r"its material the erosion criterion minimum_time_step or lower time.minimum_step; at TIME"),
     "node that is too fast": (
         {"checks.maximum_speed": "100 m/s"},
         r"NODE moves at 200 m/s, faster than 100 m/s at TIME"),

@@ -1,4 +1,4 @@
-"""What the README says is true: its table of types, its example of a plugin, the cases' commands; links of all pages."""
+"""What the README says is true: its table of types, its plugin, the cases' commands. All pages' links."""
 
 import os
 import re
@@ -67,9 +67,9 @@ def test_the_plugin_compiles_and_is_described(tmp_path):
     cache = (BUILD / "CMakeCache.txt").read_text()
     compiler = re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache, re.MULTILINE).group(1)
     version = call(KERF, "--version").stdout.split()[1]
-    done = call(compiler, "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unknown-pragmas", "-shared", "-fPIC",
-                "-DKERF_PLUGIN_SHARED", f'-DKERF_VERSION="{version}"', f"-I{SOURCE / 'framework' / 'api'}", source,
-                "-o", library)
+    done = call(compiler, "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unknown-pragmas", "-shared",
+                "-fPIC", "-DKERF_PLUGIN_SHARED", f'-DKERF_VERSION="{version}"',
+                f"-I{SOURCE / 'framework' / 'api'}", source, "-o", library)
     assert done.returncode == 0, done.stderr
     done = call(KERF, "describe", "shear_stress", "--plugin", library)
     assert done.returncode == 0, done.stderr
