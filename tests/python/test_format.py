@@ -1,5 +1,6 @@
-"""Sources have the format of .clang-format, and no line of a source is longer than 120 columns."""
+"""Sources have the format of .clang-format, lines of up to 120 columns, and tests with names in one style."""
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -51,6 +52,14 @@ def test_another_format_is_found():
     done = subprocess.run([formatter(), "--dry-run", "-Werror", f"--assume-filename={SOURCE}/tests/unit/odd.cpp"],
                           input="int  twice (int *a){return 2**a;}\n", capture_output=True, text=True, timeout=60)
     assert done.returncode != 0 and "error: code should be clang-formatted" in done.stderr
+
+
+def test_names_of_tests_are_snake_case():
+    named = [(path, name) for path in sources({".cpp"})
+             for name in re.findall(r"^TEST(?:_F|_P)?\(\w+,\s+(\w+)\)", path.read_text(encoding="utf-8"), re.M)]
+    assert len(named) > 300, "the tests are not written as this test expects"
+    odd = [f"{path.relative_to(SOURCE)}: {name}" for path, name in named if name != name.lower()]
+    assert not odd, "\n".join(odd)
 
 
 def test_lines_have_up_to_120_columns():
