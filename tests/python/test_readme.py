@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import yaml
 
 SOURCE = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("KERF_BUILD_DIR", SOURCE / "build")).resolve()
@@ -53,6 +54,12 @@ def test_table_names_every_type():
     rows = {row[0]: set(re.findall(r"`(\w+)`", row[1]))
             for row in re.findall(r"^\| (\w+) \| (.*) \|$", README, re.MULTILINE) if row[0] in kinds}
     assert rows == kinds
+
+
+def test_the_citation_and_the_changelog_know_this_version():
+    version = call(KERF, "--version").stdout.split()[1]
+    assert yaml.safe_load((SOURCE / "CITATION.cff").read_text())["version"] == version
+    assert re.search(rf"^## v?{re.escape(version)} - ", (SOURCE / "CHANGELOG.md").read_text(), re.MULTILINE)
 
 
 def test_every_case_is_named():
