@@ -82,7 +82,8 @@ def picture():
         out += [f'<text x="8" y="{y + 21}" class="size">{floor_of(room)}</text>',
                 f'<rect x="{LEFT}" y="{y}" width="{WIDTH}" height="{HEIGHT}" rx="4" class="room"/>',
                 f'<text x="{LEFT + 10}" y="{y + 21}">{room}</text>',
-                f'<text x="{LEFT + WIDTH - 8}" y="{y + 21}" text-anchor="end" class="size">{thousands:g} k lines</text>']
+                f'<text x="{LEFT + WIDTH - 8}" y="{y + 21}" text-anchor="end" class="size">'
+                f'{thousands:g} k lines</text>']
     return "\n".join(out + ["</svg>", ""])
 
 

@@ -15,8 +15,8 @@ function(kerf_check_compiler program what)
     message(WARNING "Kerf: this machine cannot run programs made with ${KERF_MACHINE_OPTIONS}, so whether the compiler "
                     "${what} was not checked")
   elseif(NOT run_result EQUAL 0)
-    message(FATAL_ERROR "Kerf: ${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION} with ${KERF_MACHINE_OPTIONS} does "
-                        "not do what the language says: ${said}expected: that it ${what}. Results could be wrong "
+    message(FATAL_ERROR "Kerf: ${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION} with ${KERF_MACHINE_OPTIONS} "
+                        "does not do what the language says: ${said}expected: that it ${what}. Results could be wrong "
                         "without a word. Use another compiler, or -DKERF_ARCH=x86-64-v3, which leaves out AVX-512.")
   endif()
   set(KERF_CHECKED_${program} "${key}" CACHE INTERNAL "compiler and flags that passed ${program}.cpp")

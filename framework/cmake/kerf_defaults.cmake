@@ -31,10 +31,10 @@ if(KERF_ARCH)
 elseif(KERF_NATIVE)
   set(KERF_MACHINE_OPTIONS -march=native)
 endif()
-# GCC 12 stores wrong constants where it makes them by a broadcast from a general register: it compares only the words of
-# a constant that it keeps, and leading zeros are not kept (framework/cmake/stored_constants.cpp). It does so only where
-# such registers may be moved to vectors directly. Without these moves contact is 4 % slower, the elements not at all;
-# -mmove-max=128 -mstore-max=128, which avoid the constants too, make the elements 17 % slower.
+# GCC 12 stores wrong constants where it makes them by a broadcast from a general register: it compares only the words
+# of a constant that it keeps, and leading zeros are not kept (framework/cmake/stored_constants.cpp). It does so only
+# where such registers may be moved to vectors directly. Without these moves contact is 4 % slower, the elements not at
+# all; -mmove-max=128 -mstore-max=128, which avoid the constants too, make the elements 17 % slower.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13
    AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12 AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND KERF_MACHINE_OPTIONS -mtune-ctrl=^inter_unit_moves_to_vec)

@@ -32,8 +32,8 @@ find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 if(KERF_TESTS)
-  # Kerf writes HDF5 by itself (framework/output/hdf5_image.hpp); only tests read with HDF5's library. Debian installs one
-  # HDF5 per MPI flavour side by side; take the one that is there with Open MPI anyway.
+  # Kerf writes HDF5 by itself (framework/output/hdf5_image.hpp); only tests read with HDF5's library. Debian installs
+  # one HDF5 per MPI flavour side by side; take the one that is there with Open MPI anyway.
   set(HDF5_PREFER_PARALLEL ON)
   find_program(HDF5_C_COMPILER_EXECUTABLE NAMES h5pcc.openmpi h5pcc)
   find_package(HDF5 REQUIRED COMPONENTS C)

@@ -28,7 +28,6 @@ class Balancer {
 
   /// Max over mean of the work of all ranks, from the work model. Collective.
   static double imbalance(const Model& model);
-  double last_imbalance() const { return last_imbalance_; }
   const std::vector<RebalanceRecord>& records() const { return records_; }
   std::int64_t last_cycle() const { return last_cycle_; }
   void restore(std::int64_t last_cycle) { last_cycle_ = last_cycle; }

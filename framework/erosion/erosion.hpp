@@ -27,8 +27,8 @@ class Erosion {
   const std::vector<ExteriorFacet>& retired() const { return retired_; }
   /// After any rank eroded: marks nodes that no live element touches any more, and updates the surface. Collective.
   void update_free_nodes(Model& model);
-  /// With `drop`: drops the free nodes. Call after the kick: the last forces on these nodes must do their work first, or
-  /// their reactions would be left without a partner. Local.
+  /// With `drop`: drops the free nodes. Call after the kick: the last forces on these nodes must do their work first,
+  /// or their reactions would be left without a partner. Local.
   void drop_free_nodes(Model& model, Ledger& ledger);
   /// With `drop_beyond`: drops free nodes that have left the box round all live material by the given distance.
   /// Returns whether any rank dropped one. Collective.

@@ -51,7 +51,6 @@ class Section {
   /// Node with this name. Pre: it exists in this sector.
   int node_at(int i, int j, int k) const;
   bool on_core_boundary(int node) const;
-  bool on_rim(int node) const { return name(node).k == n_ring_; }
 
   /// Position relative to radius one of a node of the bulged cube core and of the sphere around it, for
   /// `height` = 0 (equator) .. 1 (top of the cube); at height 0 this is the flat section.

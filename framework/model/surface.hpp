@@ -43,8 +43,8 @@ class Surface {
   void build(const SurfaceMesh& mesh);
   /// After elements were retired: learns which neighbours on other ranks have died. Collective.
   void update(const SurfaceMesh& mesh);
-  /// Faces of this rank's live elements that were opened by the elements retired since the previous update(), here or on
-  /// other ranks. Call exactly once after each update(). Local.
+  /// Faces of this rank's live elements that were opened by the elements retired since the previous update(), here or
+  /// on other ranks. Call exactly once after each update(). Local.
   std::vector<ExteriorFacet> opened_by(const SurfaceMesh& mesh, const std::vector<ExteriorFacet>& retired);
   /// Those exterior faces that have a corner among the marked nodes, in any order. Local.
   std::vector<ExteriorFacet> exterior_round(const SurfaceMesh& mesh, const std::vector<char>& marked);

@@ -13,15 +13,12 @@ struct Claim {
   std::int64_t id;
   int rank, index;
 };
-struct Answer {
-  int owner, shared;
-};
 
 }  // namespace
 
 Ownership agree_on_owners(MPI_Comm comm, const std::vector<std::int64_t>& ids) {
   const int n_ranks = size_of(comm), here = rank_of(comm);
-  Ownership result{std::vector<int>(ids.size(), here), std::vector<char>(ids.size(), 0)};
+  Ownership result{std::vector<int>(ids.size(), here)};
   if (n_ranks == 1) return result;
   std::vector<std::vector<std::int64_t>> outgoing(n_ranks);
   std::vector<std::vector<std::size_t>> positions(n_ranks);
@@ -36,23 +33,19 @@ Ownership agree_on_owners(MPI_Comm comm, const std::vector<std::int64_t>& ids) {
     for (std::size_t i = 0; i < incoming[r].size(); ++i) claims.push_back({incoming[r][i], r, static_cast<int>(i)});
   std::sort(claims.begin(), claims.end(),
             [](const Claim& a, const Claim& b) { return a.id != b.id ? a.id < b.id : a.rank < b.rank; });
-  std::vector<std::vector<Answer>> answers(n_ranks);
-  for (int r = 0; r < n_ranks; ++r) answers[r].resize(incoming[r].size());
+  std::vector<std::vector<int>> owners(n_ranks);
+  for (int r = 0; r < n_ranks; ++r) owners[r].resize(incoming[r].size());
   for (std::size_t i = 0; i < claims.size();) {
     std::size_t end = i;
     while (end < claims.size() && claims[end].id == claims[i].id) ++end;
     // Spread ownership over the holders so that no rank owns all of an interface.
     const std::size_t pick = i + static_cast<std::size_t>(claims[i].id / n_ranks) % (end - i);
-    for (std::size_t k = i; k < end; ++k)
-      answers[claims[k].rank][claims[k].index] = {claims[pick].rank, end - i > 1 ? 1 : 0};
+    for (std::size_t k = i; k < end; ++k) owners[claims[k].rank][claims[k].index] = claims[pick].rank;
     i = end;
   }
-  const auto replies = all_to_all(comm, answers);
+  const auto replies = all_to_all(comm, owners);
   for (int home = 0; home < n_ranks; ++home)
-    for (std::size_t i = 0; i < replies[home].size(); ++i) {
-      result.owner[positions[home][i]] = replies[home][i].owner;
-      result.is_shared[positions[home][i]] = static_cast<char>(replies[home][i].shared);
-    }
+    for (std::size_t i = 0; i < replies[home].size(); ++i) result.owner[positions[home][i]] = replies[home][i];
   return result;
 }
 

@@ -11,7 +11,6 @@ namespace kerf {
 
 struct Ownership {
   std::vector<int> owner;  // rank, per id
-  std::vector<char> is_shared;  // 1 where more than one rank holds the id
 };
 
 /// Collective. One of the holders becomes the owner of each id; ids are unique per rank.

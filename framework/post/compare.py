@@ -105,7 +105,8 @@ def compare_histories(a: dict[str, np.ndarray], b: dict[str, np.ndarray], tolera
         mine = a[name][: len(time)]
         gap = np.where(np.isnan(mine) & np.isnan(other), 0.0, np.nan_to_num(np.abs(mine - other), nan=np.inf))
         gap[mine == other] = 0.0  # infinite and equal
-        scale = max(np.abs(np.nan_to_num(column, nan=0.0, posinf=0.0, neginf=0.0)).max() for column in (a[name], b[name]))
+        scale = max(np.abs(np.nan_to_num(column, nan=0.0, posinf=0.0, neginf=0.0)).max()
+                    for column in (a[name], b[name]))
         worst = int(np.argmax(gap))
         relative = gap[worst] / scale if scale > 0.0 else gap[worst]
         marked = relative > tolerance and name not in NOT_PHYSICS

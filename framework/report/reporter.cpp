@@ -76,8 +76,7 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
   else
     start_anew(settings.folder + "/");
   simulation.observe(*this);
-  setup_seconds_ = simulation.timers().seconds("setup");
-  start_seconds_ = last_progress_seconds_ = seconds_now();
+  start_seconds_ = seconds_now();
   print(fmt::format("{} elements, {} nodes, {} rank{}; first stable step {:.4g} s\n", model.n_elements, model.n_nodes,
                     model.n_ranks(), model.n_ranks() == 1 ? "" : "s", simulation.first_stable_step()));
 }
@@ -122,14 +121,14 @@ OutputProgress Reporter::read_newest_restart() {
   const std::string newest = restart_path(settings_.folder), previous = previous_restart(newest);
   std::string reason;
   try {
-    const OutputProgress progress = read_checkpoint(newest, settings_.input_digest, simulation_);
+    OutputProgress progress = read_checkpoint(newest, settings_.input_digest, simulation_);
     last_restart_cycle_ = simulation_.clock().cycle();
     return progress;
   } catch (const OutputError& e) {
     reason = e.what();
   }
   try {
-    const OutputProgress progress = read_checkpoint(previous, settings_.input_digest, simulation_);
+    OutputProgress progress = read_checkpoint(previous, settings_.input_digest, simulation_);
     print(fmt::format("note: {}; going on from the restart file before it, {}\n", reason, previous));
     // Out of the way: it must not take the place of the good one when the next file is written.
     on_root(simulation_.model().comm,

@@ -61,7 +61,7 @@ class Reporter final : public StepObserver {
   OutputProgress due_;
   Balance last_;
   double results_interval_ = 0.0, history_interval_ = 0.0, restart_interval_ = 0.0, start_seconds_ = 0.0;
-  double last_progress_seconds_ = 0.0, next_progress_ = 0.0, setup_seconds_ = 0.0;
+  double next_progress_ = 0.0;
   std::int64_t last_history_cycle_ = -1, last_frame_cycle_ = -1, last_restart_cycle_ = -1;
   void count_eroded(const std::vector<ErosionRecord>& records);
 

@@ -13,8 +13,8 @@ import subprocess
 from harness import BUILD, HERE, KERF, SOURCE, Report
 
 FOLDER = BUILD / "fuzz"
-FLAGS = ["-std=c++20", "-O1", "-g", "-fno-omit-frame-pointer", "-fPIC", "-fprofile-instr-generate", "-fcoverage-mapping",
-         "-fno-sanitize-recover=undefined", "-fno-sanitize=vptr", "-w"]
+FLAGS = ["-std=c++20", "-O1", "-g", "-fno-omit-frame-pointer", "-fPIC", "-fprofile-instr-generate",
+         "-fcoverage-mapping", "-fno-sanitize-recover=undefined", "-fno-sanitize=vptr", "-w"]
 SANITIZERS = "-fsanitize=fuzzer-no-link,address,undefined"
 
 
@@ -22,14 +22,17 @@ def is_possible():
     """Whether Clang and its fuzzer are here."""
     if shutil.which("clang++") is None or shutil.which("llvm-profdata-14") is None:
         return False
-    library = subprocess.run(["clang++", "-print-file-name=libclang_rt.fuzzer-x86_64.a"], capture_output=True, text=True)
+    library = subprocess.run(["clang++", "-print-file-name=libclang_rt.fuzzer-x86_64.a"], capture_output=True,
+                             text=True)
     runtime = subprocess.run(["clang++", "-print-resource-dir"], capture_output=True, text=True).stdout.strip()
     return library.returncode == 0 and any(
-        subprocess.run(["find", runtime, "-name", "libclang_rt.fuzzer*"], capture_output=True, text=True).stdout.split())
+        subprocess.run(["find", runtime, "-name", "libclang_rt.fuzzer*"], capture_output=True,
+                       text=True).stdout.split())
 
 
 def ninja_command(target):
-    done = subprocess.run(["ninja", "-C", str(BUILD), "-t", "commands", target], capture_output=True, text=True, check=True)
+    done = subprocess.run(["ninja", "-C", str(BUILD), "-t", "commands", target], capture_output=True, text=True,
+                          check=True)
     return done.stdout.strip().splitlines()[-1]
 
 
@@ -52,7 +55,8 @@ def build():
         subprocess.run(["clang++", *FLAGS, SANITIZERS, *includes, "-c", str(source), "-o", str(target)], check=True)
     words = shlex.split(ninja_command("bin/kerf").removeprefix(": && ").removesuffix(" && :"))
     libraries = words[words.index("bin/kerf") + 1:]
-    subprocess.run(["clang++", *FLAGS, "-fsanitize=fuzzer,address,undefined", *objects, "-o", str(FOLDER / "fuzz_input"),
+    subprocess.run(["clang++", *FLAGS, "-fsanitize=fuzzer,address,undefined", *objects,
+                    "-o", str(FOLDER / "fuzz_input"),
                     *libraries], cwd=BUILD, check=True)
 
 
@@ -72,7 +76,8 @@ def seed():
 def coverage():
     """Lines of framework/input that were run."""
     profile = FOLDER / "merged.profdata"
-    subprocess.run(["llvm-profdata-14", "merge", "-sparse", str(FOLDER / "fuzz.profraw"), "-o", str(profile)], check=True)
+    subprocess.run(["llvm-profdata-14", "merge", "-sparse", str(FOLDER / "fuzz.profraw"), "-o", str(profile)],
+                   check=True)
     done = subprocess.run(["llvm-cov-14", "report", str(FOLDER / "fuzz_input"), f"-instr-profile={profile}",
                            *map(str, sorted((SOURCE / "framework" / "input").glob("*.cpp")))],
                           capture_output=True, text=True, check=True)

@@ -19,9 +19,10 @@ TOLD_TO_STOP = 4  # exit code of a run that a signal has stopped
 
 # Plausible values; what is not named here gets 1.
 PLAUSIBLE = {
-    "bulk_modulus": 130e9, "shear_modulus": 43e9, "yield_stress": 400e6, "hardening_modulus": 1e8, "A": 90e6, "B": 292e6,
-    "n": 0.31, "C": 0.025, "m": 1.09, "melting_temperature": 1356, "specific_heat": 383, "c0": 3940, "s": 1.49,
-    "gamma0": 2.0, "C1": 130e9, "velocity": [0, 0, -100], "normal": [0, 0, 1], "point": [0, 0, 0], "axis": [0, 0, 1],
+    "bulk_modulus": 130e9, "shear_modulus": 43e9, "yield_stress": 400e6, "hardening_modulus": 1e8, "A": 90e6,
+    "B": 292e6, "n": 0.31, "C": 0.025, "m": 1.09, "melting_temperature": 1356, "specific_heat": 383, "c0": 3940,
+    "s": 1.49, "gamma0": 2.0, "C1": 130e9, "velocity": [0, 0, -100], "normal": [0, 0, 1], "point": [0, 0, 0],
+    "axis": [0, 0, 1],
     "radius": 1e-3, "length": 2e-3, "cell_size": 5e-4, "size": [2e-3, 2e-3, 2e-3], "cells": [2, 2, 2],
     "core_cells": 2, "ring_cells": 1, "axial_cells": 4, "slave": "striker", "master": "target", "part": "striker",
     "limit": 0.5, "nodes": "bottom"}
@@ -166,7 +167,7 @@ def try_set(folder, number, model):
                                    errors="replace")
         try:
             out, err = process.communicate(timeout=PATIENCE)
-        except subprocess.TimeoutExpired:  # a tiny step may ask for billions of cycles: such a run stops when it is told
+        except subprocess.TimeoutExpired:  # a tiny step may ask for billions of cycles; the run stops when it is told
             process.terminate()
             out, err = process.communicate(timeout=PATIENCE)
             return process.returncode, "" if process.returncode == TOLD_TO_STOP else "hangs"

@@ -1,4 +1,4 @@
-"""Builds with the sanitizers of addresses and undefined behaviour and runs the unit, point, patch and parallel tests."""
+"""Builds with the sanitizers of addresses and undefined behaviour; runs the unit, point, patch and parallel tests."""
 
 import os
 import subprocess

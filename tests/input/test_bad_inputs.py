@@ -8,6 +8,8 @@ import yaml
 from input_case import HERE, GOOD, kerf, on_ranks, spoiled
 
 CASES = yaml.safe_load((HERE / "bad_inputs.yaml").read_text())
+# Answers are kept by name: a second case of the same name would hide the first.
+assert len({case["name"] for case in CASES}) == len(CASES), "two cases of bad_inputs.yaml have the same name"
 
 
 def refuse(case, command, folder):
@@ -38,19 +40,21 @@ def test_is_refused_with_these_lines(case, answers):
         assert done.returncode == 2, command
 
 
-def test_names_of_cases_are_unique():
-    assert len({case["name"] for case in CASES}) == len(CASES)
-
-
 def test_the_input_that_is_spoiled_is_good(tmp_path):
     (tmp_path / "case.yaml").write_text(GOOD)
     done = kerf("run", "case.yaml", "--output", "out", cwd=tmp_path)
     assert done.returncode == 0 and done.stderr == ""
 
 
-def test_six_mistakes_in_one_file_give_six_lines():
+def test_each_of_six_mistakes_alone_gives_its_line_of_the_six(tmp_path):
+    """No mistake hides another one, and none is told twice because there are others."""
     six = next(case for case in CASES if case["name"] == "six mistakes")
-    assert len(six["edit"]) == len(six["lines"]) == 6
+    said = []
+    for edit in six["edit"]:
+        done = refuse({"edit": [edit]}, "check", tmp_path)
+        assert done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr
+        said.append(done.stderr.strip())
+    assert sorted(said) == sorted(six["lines"])
 
 
 # What is wrong before the input is read: (arguments, line on stderr).
@@ -67,8 +71,8 @@ FILES = {
     "nothing to resume from": (["case.yaml", "--resume", "--output", "new"],
                                "new/restart/restart.h5: error: there is no restart file to resume from; a run writes "
                                "one at its end (unless output.restart_at_end is false), when a signal stops it and, if "
-                               "output.restart_interval is given, on the way; run without --resume, or name the folder of the earlier run with "
-                               "--output"),
+                               "output.restart_interval is given, on the way; run without --resume, or name "
+                               "the folder of the earlier run with --output"),
     "output into a file": (["case.yaml", "--output", "case.yaml"],
                            "case.yaml: error: the folder for the results cannot be made: Not a directory; name another "
                            "with --output"),

@@ -23,8 +23,8 @@ FAILURES = {
          "boundaries": "[{type: fixed, nodes: bottom}, {type: prescribed_motion, nodes: top, components: z, "
                        "velocity: 0 0 -20000 m/s}]", "checks.energy_growth": "1.0e+12",
          "parts.target.element": "{type: hex8, linear_viscosity: 0, quadratic_viscosity: 0}"},
-        r"ELEMENT is inverted \(its volume is not positive\); give its material the erosion criterion inversion, refine "
-        r"the mesh, or use more hourglass control; at TIME"),
+        r"ELEMENT is inverted \(its volume is not positive\); give its material the erosion criterion inversion, "
+        r"refine the mesh, or use more hourglass control; at TIME"),
     "stress that is no number": (
         {"materials.copper.eos": "{type: linear_polynomial, C1: 130 GPa, C2: 1.0e+300, C3: 1.0e+300}"},
         r"the forces of ELEMENT are not finite or beyond all bounds at TIME"),
@@ -43,8 +43,8 @@ FAILURES = {
         r"time.safety_factor; at TIME"),
     "time step that collapses": (
         {"time.minimum_step": "150 ns"},
-        r"the stable time step of ELEMENT is \S+ s \(times safety_factor 0.9\), below the minimum of 1.5e-07 s; give its "
-        r"material the erosion criterion minimum_time_step or lower time.minimum_step; at TIME"),
+        r"the stable time step of ELEMENT is \S+ s \(times safety_factor 0.9\), below the minimum of 1.5e-07 s; give "
+        r"its material the erosion criterion minimum_time_step or lower time.minimum_step; at TIME"),
     "node that is too fast": (
         {"checks.maximum_speed": "100 m/s"},
         r"NODE moves at 200 m/s, faster than 100 m/s at TIME"),
@@ -268,15 +268,25 @@ def test_a_resumed_run_cannot_write_other_fields(case, ranks, setting, says):
     assert list(frames(case / "out")) == before
 
 
+def cycle_of(restart):
+    """The cycle in which a restart file was written, or None where there is no file."""
+    if not restart.exists():
+        return None
+    with h5py.File(restart) as file:
+        return int(file["attributes/counters"][0])
+
+
 @pytest.mark.parametrize("key", ["results_interval", "history_interval", "restart_interval"])
 def test_an_interval_shorter_than_any_cycle_is_every_cycle(case, key):
-    few = settings(LONG | {"time.maximum_cycles": 5, f"output.{key}": "1e-30"})
+    few = settings(LONG | {"time.maximum_cycles": 5, f"output.{key}": "1e-30", "output.restart_at_end": "false"})
     done = kerf("run", "case.yaml", "--output", "out", *few, cwd=case)
     assert done.returncode == 0, done.stderr
     if key == "results_interval":
         assert len(frames(case / "out")) == 6
     if key == "history_interval":
         assert len(columns(case / "out")) == 6
+    cycles = [cycle_of(case / "out" / "restart" / name) for name in ("restart.h5", "restart_previous.h5")]
+    assert cycles == ([5, 4] if key == "restart_interval" else [None, None])
 
 
 def test_ranks_do_not_outlive_the_command_that_started_them(case):

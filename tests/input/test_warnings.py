@@ -19,8 +19,10 @@ CASES = {
                   [("28:5", "part target is at rest, no boundary condition holds it, and nothing that moves with the "
                             "velocity of its part will strike it")]),
     "coefficient": ([("origin: 1 1 2.1 mm, cells: [2, 2, 2]}",
-                      "origin: 1 1 2.1 mm, cells: [2, 2, 2]}\n    element: {type: hex8, hourglass_coefficient: 0.005}")],
-                    [("32:50", "`hourglass_coefficient` = 0.005 is not usual; expected from 0.01 to 0.1, or leave it")]),
+                      "origin: 1 1 2.1 mm, cells: [2, 2, 2]}\n"
+                      "    element: {type: hex8, hourglass_coefficient: 0.005}")],
+                    [("32:50", "`hourglass_coefficient` = 0.005 is not usual; expected from 0.01 to 0.1, "
+                               "or leave it")]),
     "plane that swallows": ([("  - {type: fixed, nodes: bottom}",
                               "  - {type: fixed, nodes: bottom}\n"
                               "  - {type: symmetry, normal: 1 0 0, tolerance: 1.5 mm}")],
@@ -75,9 +77,11 @@ def test_a_good_input_has_no_warnings(tmp_path):
 
 def test_a_body_of_nanometres_keeps_its_contact(tmp_path):
     """All tolerances follow the mesh: nothing is swallowed by the plane of symmetry, and the striker is stopped."""
-    small = [("size: 4 4 2 mm", "size: 24 24 12 nm"), ("size: 2 2 2 mm, origin: 1 1 2.1 mm", "size: 12 12 12 nm, origin: "
-             "0 0 12.1 nm"), ("end: 2 us", "end: 10 ps"),
-             ("  - {type: fixed, nodes: bottom}", "  - {type: fixed, nodes: bottom}\n  - {type: symmetry, normal: 1 0 0}")]
+    small = [("size: 4 4 2 mm", "size: 24 24 12 nm"),
+             ("size: 2 2 2 mm, origin: 1 1 2.1 mm", "size: 12 12 12 nm, origin: 0 0 12.1 nm"),
+             ("end: 2 us", "end: 10 ps"),
+             ("  - {type: fixed, nodes: bottom}",
+              "  - {type: fixed, nodes: bottom}\n  - {type: symmetry, normal: 1 0 0}")]
     (tmp_path / "case.yaml").write_text(spoiled(small))
     done = kerf("run", "case.yaml", "--output", "out", cwd=tmp_path)
     assert done.returncode == 0 and done.stderr == "", done.stderr

@@ -39,7 +39,7 @@ std::vector<Overlap> overlaps_of(const std::string& text) {
 
 const std::string plate = block("0, 0, 0", "20e-3, 20e-3, 6e-3", "20, 20, 6");
 
-TEST(InitialOverlap, OfARodDeepInAPlate) {
+TEST(InitialOverlap, of_a_rod_deep_in_a_plate) {
   const auto found = overlaps_of(two_parts(plate, block("8e-3, 8e-3, 2e-3", "4e-3, 4e-3, 20e-3", "6, 6, 30")));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].first, 0);
@@ -50,13 +50,13 @@ TEST(InitialOverlap, OfARodDeepInAPlate) {
   EXPECT_NEAR(found[0].high.x, 12e-3, 1e-8);
 }
 
-TEST(InitialOverlap, OfPartsThatAreTheSame) {
+TEST(InitialOverlap, of_parts_that_are_the_same) {
   const auto found = overlaps_of(two_parts(plate, plate));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].volume, 2.4e-6, 2.4e-11);
 }
 
-TEST(InitialOverlap, OfASmallBodyInsideOneCell) {
+TEST(InitialOverlap, of_a_small_body_inside_one_cell) {
   const auto found = overlaps_of(
       two_parts(block("0, 0, 0", "1, 1, 1", "2, 2, 2"), block("0.1, 0.1, 0.1", "0.1, 0.1, 0.1", "2, 2, 2")));
   ASSERT_EQ(found.size(), 1u);
@@ -64,14 +64,14 @@ TEST(InitialOverlap, OfASmallBodyInsideOneCell) {
 }
 
 /// No node of one lies in the other.
-TEST(InitialOverlap, OfBarsThatCross) {
+TEST(InitialOverlap, of_bars_that_cross) {
   const auto found = overlaps_of(two_parts(block("0, 4e-3, 0", "9e-3, 1e-3, 1e-3", "3, 1, 1"),
                                            block("4e-3, 0, 0.5e-3", "1e-3, 9e-3, 1e-3", "1, 3, 1")));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].volume, 0.5e-9, 1e-14);
 }
 
-TEST(InitialOverlap, IsNoneWherePartsShareAFace) {
+TEST(InitialOverlap, is_none_where_parts_share_a_face) {
   EXPECT_TRUE(overlaps_of(two_parts(plate, block("3e-3, 3e-3, 6e-3", "4e-3, 4e-3, 9e-3", "7, 7, 9"))).empty());
   // Far from the origin, turned, where positions are rounded.
   const std::string placed = ", placement: [{angle: 0.7, axis: [1, 2, 3]}, {translate: [1000, 500, 300]}]";
@@ -79,7 +79,7 @@ TEST(InitialOverlap, IsNoneWherePartsShareAFace) {
                   .empty());
 }
 
-TEST(InitialOverlap, IsNoneWhereBoxesOverlapAndBodiesDoNot) {
+TEST(InitialOverlap, is_none_where_boxes_overlap_and_bodies_do_not) {
   const std::string turned = ", placement: [{angle: 0.785398163}]";
   EXPECT_TRUE(
       overlaps_of(two_parts(plate + turned, block("0, 15e-3, 0", "20e-3, 20e-3, 6e-3", "20, 20, 6") +
@@ -88,7 +88,7 @@ TEST(InitialOverlap, IsNoneWhereBoxesOverlapAndBodiesDoNot) {
 }
 
 /// The numbers of one rank, which every number of ranks has to meet exactly.
-TEST(InitialOverlap, IsTheSameOnAnyNumberOfRanks) {
+TEST(InitialOverlap, is_the_same_on_any_number_of_ranks) {
   const std::string text =
       two_parts(plate + ", placement: [{angle: 0.3, axis: [1, 1, 0]}]",
                 "mesh: {type: cylinder, radius: 3e-3, length: 20e-3, cell_size: 1e-3, nose: {type: "
@@ -108,7 +108,7 @@ TEST(InitialOverlap, IsTheSameOnAnyNumberOfRanks) {
   EXPECT_NEAR(alone[0].volume, 28.27e-6 * 6e-3 / std::cos(0.3), 0.03 * 170e-9);
 }
 
-TEST(InitialOverlap, IsAskedOfTheContactThatCoversTheParts) {
+TEST(InitialOverlap, is_asked_of_the_contact_that_covers_the_parts) {
   const std::string third = "  third: {material: steel, " + block("0, 0, 1", "1, 1, 1", "1, 1, 1") +
                             "}\nsets: {top: {parts: first, face: z_max}}\ncontacts:\n";
   const auto input = scene(two_parts(plate, plate,

@@ -77,21 +77,21 @@ void expect_uniform_stress(const Matrix& f, Vec3 shift, const char* element, dou
   }
 }
 
-TEST(AffineMotion, GivesUniformStress) {
+TEST(AffineMotion, gives_uniform_stress) {
   expect_uniform_stress(stretched, {}, viscous, round_off);
   expect_uniform_stress(stretched, {}, stiffness, round_off);
 }
 
-TEST(AffineMotion, GivesTheSameStressUnderTranslation) {
+TEST(AffineMotion, gives_the_same_stress_under_translation) {
   expect_uniform_stress(stretched, Vec3{3.0, -2.0, 1.0} * size, viscous, round_off);
 }
 
-TEST(AffineMotion, FarFromTheOriginLosesOnlyTheDigitsOfTheCoordinates) {
+TEST(AffineMotion, far_from_the_origin_loses_only_the_digits_of_the_coordinates) {
   // At a thousand element sizes a coordinate is rounded by 1.1e-13 of the element's size; the strain is about 0.1.
   expect_uniform_stress(stretched, Vec3{1000.0, -500.0, 700.0} * size, viscous, 1e-11);
 }
 
-TEST(AffineMotion, OfSmallStrainIsLinearElasticity) {
+TEST(AffineMotion, of_small_strain_is_linear_elasticity) {
   const Matrix gradient = 1e-7 * (Matrix() << 1.0, 0.5, -0.3, 0.2, -0.6, 0.4, -0.7, 0.1, 0.8).finished();
   const Matrix f = Matrix::Identity() + gradient, strain = 0.5 * (gradient + gradient.transpose());
   const Matrix expected =
@@ -103,7 +103,7 @@ TEST(AffineMotion, OfSmallStrainIsLinearElasticity) {
     EXPECT_LT(largest(full(part.stress(e)) - expected), 1e-6 * largest(expected));
 }
 
-TEST(AffineMotion, HasTheInternalEnergyOfItsStress) {
+TEST(AffineMotion, has_the_internal_energy_of_its_stress) {
   // Uniaxial strain in small steps: E = (K + 4G/3)/2 ln(V)^2 to the order of strain cubed.
   OnePart part = part_of(distorted_block(2, 2, 2, size, 0.2, 3), viscous);
   const double volume = part.get(PartStore::volume, 0), strain = 1e-4;
@@ -136,12 +136,12 @@ void expect_turned_stress(double angle, int n, double tolerance) {
   }
 }
 
-TEST(RigidRotation, TurnsTheStressExactlyInLargeSteps) { expect_turned_stress(1.0, 10, 1e-12); }
-TEST(RigidRotation, TurnsTheStressExactlyInOneStepOfARadian) { expect_turned_stress(1.0, 1, 1e-12); }
+TEST(RigidRotation, turns_the_stress_exactly_in_large_steps) { expect_turned_stress(1.0, 10, 1e-12); }
+TEST(RigidRotation, turns_the_stress_exactly_in_one_step_of_a_radian) { expect_turned_stress(1.0, 1, 1e-12); }
 // A thousand steps each add the round-off of coordinates of a few 1e-16 times G/s, some 300; it adds up as a walk.
-TEST(RigidRotation, TurnsTheStressExactlyInSmallSteps) { expect_turned_stress(1.0, 1000, 1e-10); }
+TEST(RigidRotation, turns_the_stress_exactly_in_small_steps) { expect_turned_stress(1.0, 1000, 1e-10); }
 
-TEST(RigidRotation, GivesNoStressToABodyWithoutStress) {
+TEST(RigidRotation, gives_no_stress_to_a_body_without_stress) {
   for (const int n : {10, 1000}) {
     OnePart part = part_of(distorted_block(3, 2, 2, size, 0.2, 5), viscous);
     const Matrix step = Eigen::AngleAxisd(1.0 / n, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
@@ -151,7 +151,7 @@ TEST(RigidRotation, GivesNoStressToABodyWithoutStress) {
   }
 }
 
-TEST(RigidRotation, ExertsNoHourglassForce) {
+TEST(RigidRotation, exerts_no_hourglass_force) {
   for (const char* element : {viscous, stiffness}) {
     OnePart part = part_of(distorted_block(2, 2, 2, size, 0.25, 5), element);
     const Matrix step = Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();

@@ -44,7 +44,7 @@ void shake(OnePart& part, unsigned seed) {
   }
 }
 
-TEST(ElementForces, OfOneElementAddUpToNothingInIntegers) {
+TEST(ElementForces, of_one_element_add_up_to_nothing_in_integers) {
   for (int kind = 0; kind < 3; ++kind)
     for (unsigned seed = 1; seed <= 50; ++seed) {
       OnePart part(distorted_element(size, 0.25, seed), laws_of(kind));
@@ -62,7 +62,7 @@ TEST(ElementForces, OfOneElementAddUpToNothingInIntegers) {
     }
 }
 
-TEST(ElementForces, TheLastNodeDiffersByNoMoreThanTheOthersRounding) {
+TEST(ElementForces, the_last_node_differs_by_no_more_than_the_others_rounding) {
   // It takes minus the sum of seven rounded forces instead of its own. Under a pressure alone its own force is p B.
   for (unsigned seed = 1; seed <= 50; ++seed) {
     const HexMesh mesh = distorted_element(size, 0.25, seed);
@@ -83,7 +83,7 @@ TEST(ElementForces, TheLastNodeDiffersByNoMoreThanTheOthersRounding) {
   }
 }
 
-TEST(ElementForces, OfABlockHaveNoTorqueUnderSymmetricStress) {
+TEST(ElementForces, of_a_block_have_no_torque_under_symmetric_stress) {
   OnePart part(distorted_block(3, 3, 3, size, 0.2, 9), laws_of(0));
   shake(part, 4);
   Vec3 torque;
@@ -103,7 +103,7 @@ HexMesh reordered(const HexMesh& mesh, const std::vector<int>& order) {
   return other;
 }
 
-TEST(Lanes, OrderOfElementsChangesNoBit) {
+TEST(Lanes, order_of_elements_changes_no_bit) {
   for (int kind = 0; kind < 3; ++kind) {
     const HexMesh mesh = distorted_block(3, 3, 3, size, 0.2, 9);
     std::vector<int> order(mesh.elements.size());
@@ -123,7 +123,7 @@ TEST(Lanes, OrderOfElementsChangesNoBit) {
   }
 }
 
-TEST(Lanes, PaddingDoesNotMatter) {
+TEST(Lanes, padding_does_not_matter) {
   // 1 to 17 elements leave 7 to no lanes without an element; forces and state must be those of elements alone.
   const HexMesh mesh = distorted_block(17, 1, 1, size, 0.2, 5);
   std::vector<OnePart> alone;
@@ -165,13 +165,13 @@ double viscosity_pressure(double rate, const std::string& element) {
   return part.get(PartStore::element_state, 0);
 }
 
-TEST(BulkViscosity, ActsInCompressionOnly) {
+TEST(BulkViscosity, acts_in_compression_only) {
   EXPECT_EQ(viscosity_pressure(1e5, "{}"), 0.0);
   EXPECT_EQ(viscosity_pressure(0.0, "{}"), 0.0);
   EXPECT_GT(viscosity_pressure(-1e5, "{}"), 0.0);
 }
 
-TEST(BulkViscosity, IsTheFormulaOfBothTerms) {
+TEST(BulkViscosity, is_the_formula_of_both_terms) {
   const double rate = 1e5, c = std::sqrt((K + 4.0 / 3.0 * G) / rho);
   const double b1 = 0.07, b2 = 1.3;
   const double expected = rho * size * rate * (b1 * c + b2 * size * rate);
@@ -182,7 +182,7 @@ TEST(BulkViscosity, IsTheFormulaOfBothTerms) {
       5e-4);
 }
 
-TEST(BulkViscosity, IsInTheForcesButNotInThePressure) {
+TEST(BulkViscosity, is_in_the_forces_but_not_in_the_pressure) {
   PartLaws laws;
   laws.strength = "hydrodynamic";
   laws.strength_parameters = "{}";

@@ -77,7 +77,7 @@ double power(const OnePart& part) {
   return sum;
 }
 
-TEST(Hourglass, ModesGiveNoStress) {
+TEST(Hourglass, modes_give_no_stress) {
   for (const char* kind : {"viscous", "stiffness"})
     for (int mode = 0; mode < 4; ++mode)
       for (int direction = 0; direction < 3; ++direction) {
@@ -89,7 +89,7 @@ TEST(Hourglass, ModesGiveNoStress) {
       }
 }
 
-TEST(Hourglass, ForceOpposesEveryMode) {
+TEST(Hourglass, force_opposes_every_mode) {
   for (const char* kind : {"viscous", "stiffness"})
     for (int mode = 0; mode < 4; ++mode)
       for (int direction = 0; direction < 3; ++direction) {
@@ -100,7 +100,7 @@ TEST(Hourglass, ForceOpposesEveryMode) {
       }
 }
 
-TEST(Hourglass, ViscousForceInACubeIsTheFormula) {
+TEST(Hourglass, viscous_force_in_a_cube_is_the_formula) {
   // Q = kappa/4 rho c A g, g = 8 v; the force on a node is Q times the pattern.
   const double kappa = 0.08, speed = 1.0;
   const OnePart part = moved_in_mode(distorted_element(size, 0.0, 1), laws_with("viscous", kappa), 2, 1, speed);
@@ -112,14 +112,14 @@ TEST(Hourglass, ViscousForceInACubeIsTheFormula) {
   }
 }
 
-TEST(Hourglass, ViscousForceVanishesWithTheVelocity) {
+TEST(Hourglass, viscous_force_vanishes_with_the_velocity) {
   OnePart part = moved_in_mode(distorted_element(size, 0.2, 1), laws_with("viscous", 0.1), 0, 0, 10.0);
   part.v.assign(8, Vec3{});
   part.step(dt);
   for (int n = 0; n < 8; ++n) EXPECT_LT(norm(part.force(n)), 1e-12 * K * size * size);
 }
 
-TEST(Hourglass, StiffnessForceStaysAndReturnsItsEnergy) {
+TEST(Hourglass, stiffness_force_stays_and_returns_its_energy) {
   OnePart part = moved_in_mode(distorted_element(size, 0.0, 1), laws_with("stiffness", 0.1), 0, 0, 10.0);
   const double stored = part.hourglass_energy();
   const std::vector<Vec3> v = part.v;
@@ -135,7 +135,7 @@ TEST(Hourglass, StiffnessForceStaysAndReturnsItsEnergy) {
   for (int n = 0; n < 8; ++n) EXPECT_LT(norm(part.force(n)), 1e-6 * K * size * size * 1e-4);
 }
 
-TEST(Hourglass, ViscousControlBooksWhatTheMotionLoses) {
+TEST(Hourglass, viscous_control_books_what_the_motion_loses) {
   // A free cube whose nodes carry an eighth of its mass each, released in an hourglass mode: the motion dies within
   // some steps, and its whole energy must be in the account, however much of it every single step takes.
   for (const double coefficient : {0.02, 0.05, 0.1}) {
@@ -197,7 +197,7 @@ HexMesh tapered(double x, double y) {
   return mesh;
 }
 
-TEST(Hourglass, ForceIsBoundedInEveryShape) {
+TEST(Hourglass, force_is_bounded_in_every_shape) {
   // Twice the motion would be the limit of stability. Shapes are those of cells that flow: pinched, sheared, flattened.
   std::vector<HexMesh> shapes;
   for (const double x : {1.0, 0.6, 0.3, 0.1})
@@ -216,7 +216,7 @@ TEST(Hourglass, ForceIsBoundedInEveryShape) {
     }
 }
 
-TEST(Hourglass, ViscousForceIsTheFormulaWhereverItIsHarmless) {
+TEST(Hourglass, viscous_force_is_the_formula_wherever_it_is_harmless) {
   // The bound of the force must not weaken the control of cells in fair shape at the default coefficient: a cube's
   // share is 64 kappa/4 dt c / size, 0.8 times the safety factor and the bulk viscosity's share of the step.
   EXPECT_NEAR(largest_share(tapered(1.0, 1.0), laws_with("viscous", 0.05)),
@@ -236,7 +236,7 @@ double force_while_sheared(const PartLaws& laws, double strain) {
   return -along;
 }
 
-TEST(Hourglass, StiffnessForceGrowsAsLittleAsTheStressOfABodyThatFlows) {
+TEST(Hourglass, stiffness_force_grows_as_little_as_the_stress_of_a_body_that_flows) {
   PartLaws laws = laws_with("stiffness", 0.1);
   laws.strength = "elastic_plastic";
   laws.strength_parameters = "{shear_modulus: 80 GPa, yield_stress: 100 MPa, hardening_modulus: 0}";
@@ -253,7 +253,7 @@ TEST(Hourglass, StiffnessForceGrowsAsLittleAsTheStressOfABodyThatFlows) {
   EXPECT_NEAR(in_fluid / force_while_sheared(laws, 0.002), 1.0, 1e-12);
 }
 
-TEST(Hourglass, StiffnessForceTurnsWithTheElement) {
+TEST(Hourglass, stiffness_force_turns_with_the_element) {
   OnePart part = moved_in_mode(distorted_element(size, 0.0, 1), laws_with("stiffness", 0.1), 1, 2, 10.0);
   std::vector<Vec3> before(8), turned(8);
   for (int n = 0; n < 8; ++n) before[n] = part.force(n);
@@ -269,7 +269,7 @@ TEST(Hourglass, StiffnessForceTurnsWithTheElement) {
   }
 }
 
-TEST(Hourglass, StiffnessForceOfATurningModeTurnsWithIt) {
+TEST(Hourglass, stiffness_force_of_a_turning_mode_turns_with_it) {
   // A mode that grows along an axis of a body that turns by 0.2 in a step: the resistance at the end of the step lies
   // along the axis as it is then.
   const double angle = 0.2, cs = std::cos(angle), sn = std::sin(angle), moved = 1e-4 * size;
@@ -290,7 +290,7 @@ TEST(Hourglass, StiffnessForceOfATurningModeTurnsWithIt) {
   }
 }
 
-TEST(Hourglass, ForcesAreOrthogonalToRigidAndLinearMotion) {
+TEST(Hourglass, forces_are_orthogonal_to_rigid_and_linear_motion) {
   // With a zero mean gradient there is no stress, and every force is the hourglass control's: their sum and all
   // their first moments must vanish.
   for (const char* kind : {"viscous", "stiffness"})
@@ -332,7 +332,7 @@ TEST(Hourglass, ForcesAreOrthogonalToRigidAndLinearMotion) {
     }
 }
 
-TEST(Hourglass, LinearVelocityExertsNoForce) {
+TEST(Hourglass, linear_velocity_exerts_no_force) {
   PartLaws laws = laws_with("viscous", 0.15);
   laws.strength = "hydrodynamic";
   laws.strength_parameters = "{}";

@@ -59,7 +59,7 @@ std::vector<Vec3> corners_of(const HexMesh& mesh) {
   return x;
 }
 
-TEST(MeanGradient, EqualsTheIntegralOfTheShapeFunctionsGradient) {
+TEST(MeanGradient, equals_the_integral_of_the_shape_functions_gradient) {
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const HexMesh mesh = distorted_element(size, 0.3, seed);
     const Gradient difference = own_gradient(mesh) - integrated_gradient(corners_of(mesh));
@@ -67,7 +67,7 @@ TEST(MeanGradient, EqualsTheIntegralOfTheShapeFunctionsGradient) {
   }
 }
 
-TEST(MeanGradient, IsExactForTheFluxThroughWarpedFaces) {
+TEST(MeanGradient, is_exact_for_the_flux_through_warped_faces) {
   // sum_I x_iI B_jI = V delta_ij: the gradient of a linear field is right in any element.
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const HexMesh mesh = distorted_element(size, 0.3, seed);
@@ -83,7 +83,7 @@ TEST(MeanGradient, IsExactForTheFluxThroughWarpedFaces) {
   }
 }
 
-TEST(Volume, EqualsTheIntegralOverTheSurface) {
+TEST(Volume, equals_the_integral_over_the_surface) {
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const HexMesh mesh = distorted_element(size, 0.3, seed);
     OnePart part(mesh);
@@ -92,7 +92,7 @@ TEST(Volume, EqualsTheIntegralOverTheSurface) {
   }
 }
 
-TEST(Volume, OfANeighbourhoodAddsUpToThatOfTheBlock) {
+TEST(Volume, of_a_neighbourhood_adds_up_to_that_of_the_block) {
   // Inner nodes are moved, the block's surface is not: warped faces leave no gap and no overlap.
   HexMesh mesh = distorted_block(3, 3, 3, size, 0.0, 1);
   const HexMesh moved = distorted_block(3, 3, 3, size, 0.3, 2);
@@ -105,7 +105,7 @@ TEST(Volume, OfANeighbourhoodAddsUpToThatOfTheBlock) {
   EXPECT_NEAR(sum / (27.0 * size * size * size), 1.0, round_off);
 }
 
-TEST(Volume, OfAnInvertedElementIsReportedAndExertsNoForce) {
+TEST(Volume, of_an_inverted_element_is_reported_and_exerts_no_force) {
   PartLaws laws;
   OnePart part(distorted_element(size, 0.1, 3), laws);
   part.initialise();

@@ -61,7 +61,7 @@ double stress_difference(const A& a, const B& b) {
   return most / K;
 }
 
-TEST(SinglePrecision, FollowsDoublePrecisionToRoundOff) {
+TEST(SinglePrecision, follows_double_precision_to_round_off) {
   for (int kind = 0; kind < 4; ++kind)
     for (unsigned seed = 1; seed <= 10; ++seed) {
       const HexMesh mesh = distorted_block(3, 3, 2, size, 0.2, seed);
@@ -93,7 +93,7 @@ TEST(SinglePrecision, FollowsDoublePrecisionToRoundOff) {
     }
 }
 
-TEST(SinglePrecision, ForcesOfOneElementAddUpToNothingInIntegers) {
+TEST(SinglePrecision, forces_of_one_element_add_up_to_nothing_in_integers) {
   for (int kind = 0; kind < 4; ++kind)
     for (unsigned seed = 1; seed <= 50; ++seed) {
       SinglePart part(distorted_element(size, 0.25, seed), laws_of(kind));
@@ -110,7 +110,7 @@ TEST(SinglePrecision, ForcesOfOneElementAddUpToNothingInIntegers) {
     }
 }
 
-TEST(SinglePrecision, PlaceAndCommonSpeedDoNotMatter) {
+TEST(SinglePrecision, place_and_common_speed_do_not_matter) {
   // Differences are taken before they are rounded. At a million sizes from the origin a double has an error of 1e-10 of
   // the size, and a speed of 10 km/s moves the nodes by half a size in a step.
   const HexMesh here = distorted_block(3, 3, 3, size, 0.2, 4);
@@ -125,7 +125,7 @@ TEST(SinglePrecision, PlaceAndCommonSpeedDoNotMatter) {
   EXPECT_GT(largest(near.stress(0)), 0.01 * K);
 }
 
-TEST(SinglePrecision, OrderOfElementsAndPaddingChangeNoBit) {
+TEST(SinglePrecision, order_of_elements_and_padding_change_no_bit) {
   const HexMesh mesh = distorted_block(3, 3, 3, size, 0.2, 3);
   HexMesh other = mesh;
   std::vector<int> order(mesh.elements.size());
@@ -148,7 +148,7 @@ TEST(SinglePrecision, OrderOfElementsAndPaddingChangeNoBit) {
   }
 }
 
-TEST(SinglePrecision, TurnsTheStress) {
+TEST(SinglePrecision, turns_the_stress) {
   // Every step rounds the stress: a walk of some units, n steps long.
   constexpr int n = 1000;
   const Eigen::Vector3d axis = Eigen::Vector3d(0.3, -0.5, 0.8).normalized();
@@ -175,7 +175,7 @@ TEST(SinglePrecision, TurnsTheStress) {
     EXPECT_LT(largest(part.deviator(e) - expected), 3.0 * std::sqrt(n) * per_step * largest(expected));
 }
 
-TEST(SinglePrecision, EnergiesOfSmallStepsAreNotLost) {
+TEST(SinglePrecision, energies_of_small_steps_are_not_lost) {
   // An increment that a float of the energy's size would not notice.
   SinglePart part(distorted_element(size, 0.1, 2), laws_of(0));
   part.initialise();
@@ -190,7 +190,7 @@ TEST(SinglePrecision, EnergiesOfSmallStepsAreNotLost) {
   EXPECT_LT(gained, 0.1 * unit * large);
 }
 
-TEST(SinglePrecision, EdgesFromATenthOfAMicrometreToAHundredKilometres) {
+TEST(SinglePrecision, edges_from_a_tenth_of_a_micrometre_to_a_hundred_kilometres) {
   // The limits that set-up holds meshes to; areas squared, and determinants of them, are near those of floats. Three
   // of the eight lanes are empty and hold the dummy, which is 16 times as large.
   for (const double edge : {1.2e-7, 1e-5, 1.0, 8e4})
@@ -213,7 +213,7 @@ TEST(SinglePrecision, EdgesFromATenthOfAMicrometreToAHundredKilometres) {
     }
 }
 
-TEST(SinglePrecision, PressureIsThatOfADoublesVolume) {
+TEST(SinglePrecision, pressure_is_that_of_a_doubles_volume) {
   // Rounded to a float once, at the end: not to a share of the bulk modulus.
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const HexMesh mesh = distorted_block(3, 3, 3, size, 0.25, seed);
@@ -233,7 +233,7 @@ TEST(SinglePrecision, PressureIsThatOfADoublesVolume) {
   }
 }
 
-TEST(SinglePrecision, AnInvertedElementIsReportedAndExertsNoForce) {
+TEST(SinglePrecision, an_inverted_element_is_reported_and_exerts_no_force) {
   HexMesh mesh = distorted_element(size, 0.0, 1);
   SinglePart part(mesh);
   part.initialise();
@@ -245,7 +245,7 @@ TEST(SinglePrecision, AnInvertedElementIsReportedAndExertsNoForce) {
   for (int n = 0; n < 8; ++n) EXPECT_EQ(norm(part.force(n)), 0.0);
 }
 
-TEST(SinglePrecision, AForceThatIsNoNumberIsReported) {
+TEST(SinglePrecision, a_force_that_is_no_number_is_reported) {
   SinglePart part(distorted_element(size, 0.1, 1));
   part.initialise();
   part.set_deviator(0, {std::nan(""), 0.0, 0.0, 0.0, 0.0, 0.0});

@@ -59,7 +59,7 @@ std::string no_viscosity(const std::string& rest) {
 const std::string bare = no_viscosity("hourglass_coefficient: 0");
 const std::string free_element = no_viscosity("hourglass_coefficient: 0, stable_step: free_element");
 
-TEST(StableStep, OfAFreeCubeIsExact) {
+TEST(StableStep, of_a_free_cube_is_exact) {
   for (const double poisson : {0.0, 0.2, 0.3, 0.45}) {
     const HexMesh cube = distorted_element(size, 0.0, 1);
     // The stiffness is taken with a finite displacement of 1e-6 of the size.
@@ -68,7 +68,7 @@ TEST(StableStep, OfAFreeCubeIsExact) {
   }
 }
 
-TEST(StableStep, OfAFreeElementIsNeverAboveTheTrueLimit) {
+TEST(StableStep, of_a_free_element_is_never_above_the_true_limit) {
   double least = 1e300, most = 0.0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     HexMesh mesh = distorted_element(size, 0.25, seed);
@@ -84,7 +84,7 @@ TEST(StableStep, OfAFreeElementIsNeverAboveTheTrueLimit) {
   RecordProperty("least_ratio", std::to_string(least));
 }
 
-TEST(StableStep, OfAFreeElementHoldsForBarsAndSheetsOfOneCell) {
+TEST(StableStep, of_a_free_element_holds_for_bars_and_sheets_of_one_cell) {
   const int shapes[][3] = {{1, 1, 5}, {3, 3, 1}, {2, 2, 2}, {3, 3, 3}};
   for (const auto& n : shapes)
     for (const double distortion : {0.0, 0.2}) {
@@ -103,7 +103,7 @@ double estimate_with_exposure(const HexMesh& mesh, const PartLaws& laws, const s
   return part.stable_step();
 }
 
-TEST(StableStep, OfExposedCellsHoldsForFreeBodiesOfEveryThickness) {
+TEST(StableStep, of_exposed_cells_holds_for_free_bodies_of_every_thickness) {
   const int shapes[][3] = {{1, 1, 1}, {1, 1, 2}, {1, 1, 5}, {2, 2, 1}, {4, 3, 1}, {2, 2, 2}, {3, 3, 3}, {2, 2, 4}};
   for (const auto& n : shapes) {
     std::vector<int> exposed;
@@ -121,7 +121,7 @@ TEST(StableStep, OfExposedCellsHoldsForFreeBodiesOfEveryThickness) {
   }
 }
 
-TEST(StableStep, OfAPlaneWaveWithDefaultsHoldsForBodiesOfSeveralCells) {
+TEST(StableStep, of_a_plane_wave_with_defaults_holds_for_bodies_of_several_cells) {
   // Without knowledge of exposed faces, as here, the default safety factor of 0.9 and the default linear viscosity
   // cover what free surfaces take from the plane wave's limit at these ratios; it is exact in an endless mesh of cubes.
   for (const int n : {2, 3})
@@ -136,7 +136,7 @@ TEST(StableStep, OfAPlaneWaveWithDefaultsHoldsForBodiesOfSeveralCells) {
   }
 }
 
-TEST(StableStep, OfAPlaneWaveDoesNotHoldForACubeThatStandsAlone) {
+TEST(StableStep, of_a_plane_wave_does_not_hold_for_a_cube_that_stands_alone) {
   // Why there are two bounds: a free cube breathes with 3 K, a plane wave moves with K + 4G/3.
   const double poisson = 0.3, G = 80e9, K = 2.0 / 3.0 * G * (1.0 + poisson) / (1.0 - 2.0 * poisson);
   const HexMesh cube = distorted_element(size, 0.0, 1);
@@ -144,7 +144,7 @@ TEST(StableStep, OfAPlaneWaveDoesNotHoldForACubeThatStandsAlone) {
   EXPECT_NEAR(ratio, std::sqrt((K + 4.0 / 3.0 * G) / (3.0 * K)), 1e-5);
 }
 
-TEST(StableStep, IsNotLoweredByStiffnessHourglassControl) {
+TEST(StableStep, is_not_lowered_by_stiffness_hourglass_control) {
   for (const double coefficient : {0.05, 0.25}) {
     const std::string control = "hourglass: stiffness, hourglass_coefficient: " + std::to_string(coefficient);
     for (unsigned seed = 1; seed <= 10; ++seed) {
@@ -155,7 +155,7 @@ TEST(StableStep, IsNotLoweredByStiffnessHourglassControl) {
   }
 }
 
-TEST(StableStep, OfTheStartSeesTheViscosityOfTheInitialVelocities) {
+TEST(StableStep, of_the_start_sees_the_viscosity_of_the_initial_velocities) {
   // A cube that closes at v over its edge: nu = b1 c + b2 v. Its nodes move by less than 0.05 of the edge.
   const double G = 80e9, K = 2.0 / 3.0 * G * 1.3 / 0.4, c = std::sqrt((K + 4.0 / 3.0 * G) / 8000.0), v = 0.04 * c;
   OnePart part(distorted_element(size, 0.0, 1), laws_of(0.3, "{}"));
@@ -165,7 +165,7 @@ TEST(StableStep, OfTheStartSeesTheViscosityOfTheInitialVelocities) {
   EXPECT_NEAR(part.stable_step() / (size / (nu + std::sqrt(nu * nu + c * c))), 1.0, 1e-12);
 }
 
-TEST(StableStep, OfTheStartLetsNoNodeCrossATwentiethOfACell) {
+TEST(StableStep, of_the_start_lets_no_node_cross_a_twentieth_of_a_cell) {
   for (const double speed : {100.0, 1e4, 1e5}) {
     OnePart part(distorted_element(size, 0.2, 1), laws_of(0.3, "{}"));
     const double at_rest = estimate(distorted_element(size, 0.2, 1), laws_of(0.3, "{}"));
@@ -178,7 +178,7 @@ TEST(StableStep, OfTheStartLetsNoNodeCrossATwentiethOfACell) {
   }
 }
 
-TEST(StableStep, FallsWithBulkViscosity) {
+TEST(StableStep, falls_with_bulk_viscosity) {
   const HexMesh cube = distorted_element(size, 0.0, 1);
   const double b1 = 0.3;
   const double ratio = estimate(cube, laws_of(0.3, "{linear_viscosity: 0.3}")) / estimate(cube, laws_of(0.3, bare));

@@ -33,7 +33,8 @@ def parse_arguments() -> argparse.Namespace:
     by_default = [name for name, section in SECTIONS.items() if section.by_default]
     parser.add_argument("--only", nargs="+", choices=list(SECTIONS), metavar="SECTION",
                         help=f"of {', '.join(SECTIONS)}; by default {', '.join(by_default)}")
-    parser.add_argument("--scratch", type=Path, metavar="DIR", help="where runs write (default: below the build folder)")
+    parser.add_argument("--scratch", type=Path, metavar="DIR",
+                        help="where runs write (default: below the build folder)")
     arguments = parser.parse_args()
     if arguments.repeats is not None and arguments.repeats < 1:
         parser.error("--repeats has to be at least 1")
@@ -83,7 +84,8 @@ def main() -> int:
             bench.runner.stop()
     rows = marks.report(bench.measured, not arguments.quick, print)
     if arguments.json:
-        samples = {key: value.as_json() if isinstance(value, Samples) else value for key, value in bench.measured.items()}
+        samples = {key: value.as_json() if isinstance(value, Samples) else value
+                   for key, value in bench.measured.items()}
         arguments.json.write_text(json.dumps(
             {"machine": host, "binary": binary, "baseline": baseline, "quick": arguments.quick,
              "repeats": bench.repeats, "sections": arguments.only, "marks": rows, "samples": samples}, indent=1) + "\n")

@@ -29,7 +29,7 @@ void expect_vector(Vec3 a, Vec3 b, double tolerance = 1e-12) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-TEST(InitialVelocity, SetsVelocityAndSpinAtTheStartOnly) {
+TEST(InitialVelocity, sets_velocity_and_spin_at_the_start_only) {
   const auto b = make_boundary("initial_velocity",
                                "{nodes: rod, velocity: \"[0, 0, 100] m/s\", angular_velocity: \"[0, 0, 10] rad/s\"}");
   EXPECT_EQ(b->nodes(), std::vector<std::string>{"rod"});
@@ -37,7 +37,7 @@ TEST(InitialVelocity, SetsVelocityAndSpinAtTheStartOnly) {
   expect_vector(b->constrain(node_at(2, 0, 0), {1.0, 0.1}, {1, 2, 3}), {1, 2, 3});
 }
 
-TEST(Fixed, HoldsTheChosenComponents) {
+TEST(Fixed, holds_the_chosen_components) {
   expect_vector(make_boundary("fixed", "{nodes: [a, b]}")->constrain({}, {}, {1, 2, 3}), {0, 0, 0});
   const auto b = make_boundary("fixed", "{components: [x, z]}");
   EXPECT_TRUE(b->nodes().empty());
@@ -46,7 +46,7 @@ TEST(Fixed, HoldsTheChosenComponents) {
   EXPECT_THAT(refusal("boundary", "fixed", "{components: [x, w]}"), ::testing::HasSubstr("any of x, y and z"));
 }
 
-TEST(PrescribedMotion, FollowsItsTable) {
+TEST(PrescribedMotion, follows_its_table) {
   const auto b =
       make_boundary("prescribed_motion",
                     "{components: y, velocity: \"[9, 10, 9] m/s\", times: \"[1, 2, 4] s\", factors: [0, 1, -1]}");
@@ -59,14 +59,14 @@ TEST(PrescribedMotion, FollowsItsTable) {
   expect_vector(make_boundary("prescribed_motion", "{velocity: [1, 2, 3]}")->initial({}, {}), {1, 2, 3});
 }
 
-TEST(PrescribedMotion, RefusesABadTable) {
+TEST(PrescribedMotion, refuses_a_bad_table) {
   EXPECT_THAT(refusal("boundary", "prescribed_motion", "{velocity: [1, 0, 0], times: [1, 2], factors: [1]}"),
               ::testing::HasSubstr("equal number"));
   EXPECT_THAT(refusal("boundary", "prescribed_motion", "{velocity: [1, 0, 0], times: [2, 1], factors: [1, 1]}"),
               ::testing::HasSubstr("times must increase"));
 }
 
-TEST(Symmetry, HoldsNodesOnThePlaneAndLeavesOthers) {
+TEST(Symmetry, holds_nodes_on_the_plane_and_leaves_others) {
   const auto b = make_boundary("symmetry", "{normal: [0, 2, 0]}");
   expect_vector(b->constrain(node_at(1, 0, 1), {0, 1e-3}, {1, 2, 3}), {1, 0, 3}, 0.0);
   expect_vector(b->constrain(node_at(1, 1, 1), {0, 1e-3}, {1, -2, 3}), {1, -2, 3}, 0.0);
@@ -74,13 +74,13 @@ TEST(Symmetry, HoldsNodesOnThePlaneAndLeavesOthers) {
   expect_vector(b->initial(node_at(1, 1, 1), {1, 2, 3}), {1, 2, 3}, 0.0);
 }
 
-TEST(Symmetry, BouncesAFreeNodeOffItsMirrorImage) {
+TEST(Symmetry, bounces_a_free_node_off_its_mirror_image) {
   const auto b = make_boundary("symmetry", "{normal: [0, 2, 0], point: [0, 1, 0]}");
   const Vec3 v = b->constrain(node_at(0, 1.5, 0), {0, 1e-3}, {4, -1000, 0});
   expect_vector(v, {4, 1000, 0}, 1e-9);  // the elastic collision of two equal masses; round-off of the normalisation
 }
 
-TEST(Symmetry, ComplainsOfNodesOnTheOtherSide) {
+TEST(Symmetry, complains_of_nodes_on_the_other_side) {
   const auto b = make_boundary("symmetry", "{normal: [0, 1, 0]}");
   EXPECT_EQ(b->complaint(node_at(0, 0, 0)), "");
   EXPECT_EQ(b->complaint(node_at(0, 1, 0)), "");
@@ -88,7 +88,7 @@ TEST(Symmetry, ComplainsOfNodesOnTheOtherSide) {
 }
 
 /// Bodies of 25 nm and of 25 km alike: the cell has an edge of `edge`.
-TEST(Symmetry, ToleranceFollowsTheMesh) {
+TEST(Symmetry, tolerance_follows_the_mesh) {
   for (const double edge : {5e-9, 1e-3, 5e3}) {
     const auto b = make_boundary("symmetry", "{normal: [0, 1, 0]}");
     b->prepare({edge, 5.0 * edge});
@@ -102,14 +102,14 @@ TEST(Symmetry, ToleranceFollowsTheMesh) {
   EXPECT_TRUE(given->mirrors({0, 0.05, 0}));
 }
 
-TEST(RigidWall, ToleranceFollowsTheMesh) {
+TEST(RigidWall, tolerance_follows_the_mesh) {
   const auto b = make_boundary("rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 1]}");
   b->prepare({5e-9, 25e-9});
   EXPECT_EQ(b->complaint(node_at(0, 0, -1e-16)), "");
   EXPECT_NE(b->complaint(node_at(0, 0, -1e-10)), "");
 }
 
-TEST(RigidWall, PutsANodeOnTheWallAndLetsItLeave) {
+TEST(RigidWall, puts_a_node_on_the_wall_and_lets_it_leave) {
   const auto b = make_boundary("rigid_wall", "{point: [0, 0, 1], normal: [0, 0, 3]}");
   const BoundaryStep step{0.05, 0.1};
   expect_vector(b->constrain(node_at(0, 0, 1.2), step, {5, 0, -10}), {5, 0, -2});
@@ -117,20 +117,20 @@ TEST(RigidWall, PutsANodeOnTheWallAndLetsItLeave) {
   expect_vector(b->constrain(node_at(0, 0, 2), step, {5, 0, -9}), {5, 0, -9}, 0.0);
 }
 
-TEST(RigidWall, MovesWithItsVelocity) {
+TEST(RigidWall, moves_with_its_velocity) {
   const auto b = make_boundary("rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 1], velocity: \"[0, 0, 3] m/s\"}");
   // At the end of the step, t = 2.1, the wall is at z = 6.3.
   expect_vector(b->constrain(node_at(0, 0, 6.0), {2.05, 0.1}, {0, 0, 0}), {0, 0, 3});
 }
 
-TEST(RigidWall, SlowsSlidingByFriction) {
+TEST(RigidWall, slows_sliding_by_friction) {
   const auto b = make_boundary("rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 1], friction: 0.3}");
   const BoundaryStep step{0.0, 1.0};
   expect_vector(b->constrain(node_at(0, 0, 0), step, {30, 40, -10}), {30 - 1.8, 40 - 2.4, 0});  // slides
   expect_vector(b->constrain(node_at(0, 0, 0), step, {1, 2, -10}), {0, 0, 0});  // sticks
 }
 
-TEST(RigidWall, ComplainsOfNodesBehindIt) {
+TEST(RigidWall, complains_of_nodes_behind_it) {
   const auto b = make_boundary("rigid_wall", "{point: [0, 0, 0], normal: [0, 0, 1]}");
   EXPECT_EQ(b->complaint(node_at(0, 0, 0)), "");
   EXPECT_THAT(b->complaint(node_at(0, 0, -1e-3)), ::testing::HasSubstr("behind the rigid wall"));

@@ -82,7 +82,7 @@ struct Roof {
   std::size_t n_let_go = 0;
 };
 
-TEST(ErodingSurface, PushesANodeBelowARidgeUp) {
+TEST(ErodingSurface, pushes_a_node_below_a_ridge_up) {
   const auto law = make_law<Contact>("contact", "eroding_surface");
   Roof roof;
   const auto touch = roof.touch_at(*law, {0.0, 0.5, -0.1});
@@ -94,7 +94,7 @@ TEST(ErodingSurface, PushesANodeBelowARidgeUp) {
 // Off the surface by little, length and direction of the way out used to be those of different vectors. That happens
 // where triangles meet: on the ridge and on the diagonals of a facet. What is round-off is no touch at all, since it
 // would be there on one side of a symmetric model and not on the other.
-TEST(ErodingSurface, StaysBoundedForANodeOnTheSurface) {
+TEST(ErodingSurface, stays_bounded_for_a_node_on_the_surface) {
   const auto law = make_law<Contact>("contact", "eroding_surface");
   Roof roof;
   std::mt19937 random(3);
@@ -163,7 +163,7 @@ struct CrossedRoofs {
   }
 };
 
-TEST(ErodingSurfaceEdges, TouchWhereTheyCrossThoughNoNodeIsInside) {
+TEST(ErodingSurfaceEdges, touch_where_they_cross_though_no_node_is_inside) {
   const CrossedRoofs roofs;
   const auto found = roofs.touches(*make_law<Contact>("contact", "eroding_surface"));
   ASSERT_EQ(found.touches().size(), 1u);  // once, whoever of the four ends sees it
@@ -180,7 +180,7 @@ TEST(ErodingSurfaceEdges, TouchWhereTheyCrossThoughNoNodeIsInside) {
 }
 
 // Which rank owns which end, and how it numbers nodes, must not matter.
-TEST(ErodingSurfaceEdges, AreReportedByOneEndWithTheSameBits) {
+TEST(ErodingSurfaceEdges, are_reported_by_one_end_with_the_same_bits) {
   const auto law = make_law<Contact>("contact", "eroding_surface");
   CrossedRoofs roofs(0.9, 1.1);
   for (Vec3& x : roofs.x) x = x + Vec3{0.123, 0.456, 0.789};
@@ -204,7 +204,7 @@ TEST(ErodingSurfaceEdges, AreReportedByOneEndWithTheSameBits) {
   }
 }
 
-TEST(ErodingSurfaceEdges, AreLetAloneWhereNothingIsInside) {
+TEST(ErodingSurfaceEdges, are_let_alone_where_nothing_is_inside) {
   const auto law = make_law<Contact>("contact", "eroding_surface");
   const auto n_found = [&](const CrossedRoofs& roofs) {
     const auto found = roofs.touches(*law);
@@ -240,7 +240,7 @@ TEST(ErodingSurfaceEdges, AreLetAloneWhereNothingIsInside) {
   }
 }
 
-TEST(ErodingSurfaceEdges, AreLetGoOfBelowTheGreatestDepth) {
+TEST(ErodingSurfaceEdges, are_let_go_of_below_the_greatest_depth) {
   const auto law = make_law<Contact>("contact", "eroding_surface");
   CrossedRoofs roofs;
   // The facets are 2 by 1.414 in size, of elements 1.414 thick: an edge is held to 0.6 of that.
@@ -256,7 +256,7 @@ TEST(ErodingSurfaceEdges, AreLetGoOfBelowTheGreatestDepth) {
 }
 
 // Which facets beyond their reach are candidates is a matter of the search's margins, hence of chance.
-TEST(ErodingSurface, DoesNotCareForFacetsBeyondTheirReach) {
+TEST(ErodingSurface, does_not_care_for_facets_beyond_their_reach) {
   const auto law = make_law<Contact>("contact", "eroding_surface", "{damping: 0}");
   Roof roof;
   // A long facet that ends in a short one, which goes straight down. Both hold the closest point, on their edge; the
@@ -287,7 +287,7 @@ INSTANTIATE_TEST_SUITE_P(Contact, AnyLaw, testing::Values("eroding_surface", "sl
                          [](const auto& info) { return std::string(info.param); });
 
 // The greatest depth is 0.6 here, the step 1 ms.
-TEST_P(AnyLaw, CountsANodeInTheStepInWhichItPassesTheGreatestDepth) {
+TEST_P(AnyLaw, counts_a_node_in_the_step_in_which_it_passes_the_greatest_depth) {
   Roof roof;
   roof.candidates[0].end = 1;
   const Vec3 corner[4] = {{-1, -1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0}};
@@ -302,7 +302,7 @@ TEST_P(AnyLaw, CountsANodeInTheStepInWhichItPassesTheGreatestDepth) {
   EXPECT_EQ(roof.n_let_go, 0u) << "it was deeper before";
 }
 
-TEST_P(AnyLaw, BoundsTheStepOfANodeThatClosesIn) {
+TEST_P(AnyLaw, bounds_the_step_of_a_node_that_closes_in) {
   Roof roof;
   roof.candidates[0].end = 1;
   const Vec3 corner[4] = {{-1, -1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0}};
@@ -323,7 +323,7 @@ TEST_P(AnyLaw, BoundsTheStepOfANodeThatClosesIn) {
 }
 
 // The least of V/A, longest edge now and longest edge once, whatever the facet has become.
-TEST_P(AnyLaw, LetsGoOfWhatIsDeeperThanTheFacetWasLarge) {
+TEST_P(AnyLaw, lets_go_of_what_is_deeper_than_the_facet_was_large) {
   const auto law = this->law();
   struct Case {
     double width, volume, edge;  // of a facet 4 long: width, volume of its element, longest edge once

@@ -23,7 +23,7 @@ MaterialPoint rod_point() { return MaterialPoint(make_law<Material>("material", 
 SymTensor shear(double xy) { return {0.0, 0.0, 0.0, xy, 0.0, 0.0}; }
 SymTensor axial(double xx) { return {xx, 0.0, 0.0, 0.0, 0.0, 0.0}; }
 
-TEST(ElasticPlastic, SimpleShearIsElasticUpToYield) {
+TEST(ElasticPlastic, simple_shear_is_elastic_up_to_yield) {
   auto point = rod_point();
   const double yield_strain = Y / std::sqrt(3.0) / (2.0 * G);
   for (int i = 0; i < 10; ++i) point.step(shear(0.0999 * yield_strain));
@@ -32,7 +32,7 @@ TEST(ElasticPlastic, SimpleShearIsElasticUpToYield) {
   EXPECT_EQ(point.shear_modulus(), G);
 }
 
-TEST(ElasticPlastic, SimpleShearHardensWithThePlasticModulus) {
+TEST(ElasticPlastic, simple_shear_hardens_with_the_plastic_modulus) {
   auto point = rod_point();
   const double strain = 0.2;  // tensor component
   for (int i = 0; i < 1000; ++i) point.step(shear(strain / 1000));
@@ -42,14 +42,14 @@ TEST(ElasticPlastic, SimpleShearHardensWithThePlasticModulus) {
   EXPECT_NEAR(std::sqrt(3.0) * point.deviator().xy / (Y + Ep * ep), 1.0, round_off);
 }
 
-TEST(ElasticPlastic, ResultDoesNotDependOnTheNumberOfStepsOfAProportionalPath) {
+TEST(ElasticPlastic, result_does_not_depend_on_the_number_of_steps_of_a_proportional_path) {
   auto once = rod_point(), often = rod_point();
   once.step(shear(0.1));
   for (int i = 0; i < 777; ++i) often.step(shear(0.1 / 777));
   EXPECT_NEAR(once.deviator().xy / often.deviator().xy, 1.0, round_off);
 }
 
-TEST(ElasticPlastic, UniaxialStrainYieldsAtTheHugoniotElasticLimit) {
+TEST(ElasticPlastic, uniaxial_strain_yields_at_the_hugoniot_elastic_limit) {
   auto point = rod_point();
   const double at_yield = Y / (2.0 * G);  // s_xx - s_yy = 2 G e = Y
   point.step(axial(-at_yield * (1.0 - 1e-9)));
@@ -60,7 +60,7 @@ TEST(ElasticPlastic, UniaxialStrainYieldsAtTheHugoniotElasticLimit) {
   EXPECT_GT(point.state("effective_plastic_strain"), 0.0);
 }
 
-TEST(ElasticPlastic, UniaxialTensionBeyondYieldHasTheTangentModulus) {
+TEST(ElasticPlastic, uniaxial_tension_beyond_yield_has_the_tangent_modulus) {
   auto point = rod_point();
   // The lateral strain that keeps the lateral stress at zero, found by secant in every step.
   double mean_strain = 0.0, before = 0.0, lateral_guess = -0.3;
@@ -89,7 +89,7 @@ TEST(ElasticPlastic, UniaxialTensionBeyondYieldHasTheTangentModulus) {
   }
 }
 
-TEST(ElasticPlastic, UnloadsElasticallyAndYieldsAgainAtTheHardenedStress) {
+TEST(ElasticPlastic, unloads_elastically_and_yields_again_at_the_hardened_stress) {
   auto point = rod_point();
   for (int i = 0; i < 100; ++i) point.step(shear(1e-3));
   const double tau = point.deviator().xy, ep = point.state("effective_plastic_strain");
@@ -100,19 +100,19 @@ TEST(ElasticPlastic, UnloadsElasticallyAndYieldsAgainAtTheHardenedStress) {
   EXPECT_GT(point.state("effective_plastic_strain"), ep);
 }
 
-TEST(ElasticPlastic, HydrostaticStrainMakesNoDeviator) {
+TEST(ElasticPlastic, hydrostatic_strain_makes_no_deviator) {
   auto point = rod_point();
   const SymTensor s = point.step({-0.1, -0.1, -0.1, 0.0, 0.0, 0.0});
   EXPECT_LE(std::sqrt(double_dot(s, s)), 1e-15 * G);
   EXPECT_EQ(point.state("effective_plastic_strain"), 0.0);
 }
 
-TEST(ElasticPlastic, NotANumberStaysVisible) {
+TEST(ElasticPlastic, not_a_number_stays_visible) {
   auto point = rod_point();
   EXPECT_TRUE(std::isnan(point.step(shear(std::nan(""))).xy));
 }
 
-TEST(ElasticPlastic, HardeningModulusAndTangentModulusAgree) {
+TEST(ElasticPlastic, hardening_modulus_and_tangent_modulus_agree) {
   MaterialPoint direct(make_law<Material>(
       "material", "elastic_plastic",
       "{shear_modulus: 80.19e9, yield_stress: 2.586e9, hardening_modulus: " + std::to_string(Ep) + "}"));
@@ -126,14 +126,14 @@ TEST(ElasticPlastic, HardeningModulusAndTangentModulusAgree) {
   EXPECT_NEAR(young.deviator().xy / bulk.deviator().xy, 1.0, 1e-12);
 }
 
-TEST(ElasticPlastic, IsPerfectlyPlasticWithoutModulus) {
+TEST(ElasticPlastic, is_perfectly_plastic_without_modulus) {
   MaterialPoint point(
       make_law<Material>("material", "elastic_plastic", "{shear_modulus: 80 GPa, yield_stress: 1 GPa}"));
   for (int i = 0; i < 50; ++i) point.step({0.01, -0.01, 0.0, 0.003, 0.0, 0.002});
   EXPECT_NEAR(von_mises(point.deviator()) / 1e9, 1.0, round_off);
 }
 
-TEST(ElasticPlastic, RefusesAmbiguousModuli) {
+TEST(ElasticPlastic, refuses_ambiguous_moduli) {
   using ::testing::HasSubstr;
   const auto says = [](const std::string& more) {
     return refusal("material", "elastic_plastic", "{shear_modulus: 80 GPa, yield_stress: 1 GPa, " + more + "}");
@@ -147,7 +147,7 @@ TEST(ElasticPlastic, RefusesAmbiguousModuli) {
   EXPECT_EQ(says("tangent_modulus: 0 GPa, bulk_modulus: 160 GPa"), "");
 }
 
-TEST(Elastic, GrowsLinearlyWithTheDeviatoricStrain) {
+TEST(Elastic, grows_linearly_with_the_deviatoric_strain) {
   MaterialPoint point(make_law<Material>("material", "elastic", "{shear_modulus: 10 GPa}"));
   const SymTensor s = point.step({0.03, 0.0, 0.0, 0.01, 0.0, -0.02});
   EXPECT_DOUBLE_EQ(s.xx, 4e8);
@@ -157,7 +157,7 @@ TEST(Elastic, GrowsLinearlyWithTheDeviatoricStrain) {
   EXPECT_EQ(point.shear_modulus(), 10e9);
 }
 
-TEST(Hydrodynamic, HasNoStrength) {
+TEST(Hydrodynamic, has_no_strength) {
   MaterialPoint point(make_law<Material>("material", "hydrodynamic"));
   point.set_deviator({1e9, -1e9, 0.0, 1e9, 0.0, 0.0});
   const SymTensor s = point.step(shear(0.1));

@@ -25,7 +25,7 @@ Rotation about_x(double angle) {
   return {1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c};
 }
 
-TEST(LargestPrincipal, IsExactForPrincipalStressesInAnyFrame) {
+TEST(LargestPrincipal, is_exact_for_principal_stresses_in_any_frame) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
@@ -35,7 +35,7 @@ TEST(LargestPrincipal, IsExactForPrincipalStressesInAnyFrame) {
   }
 }
 
-TEST(LargestPrincipal, IsExactWhereEigenvaluesCoincide) {
+TEST(LargestPrincipal, is_exact_where_eigenvalues_coincide) {
   EXPECT_EQ(largest_principal({}), 0.0);
   EXPECT_NEAR(largest_principal({5e9, 5e9, 5e9, 0.0, 0.0, 0.0}), 5e9, 1.0);
   EXPECT_NEAR(largest_principal({3e9, 3e9, 0.0, 0.0, 0.0, 0.0}) / 3e9, 1.0, 1e-7);  // equibiaxial tension
@@ -45,21 +45,21 @@ TEST(LargestPrincipal, IsExactWhereEigenvaluesCoincide) {
   EXPECT_NEAR(largest_principal({-1.0, -2.0, -4.0, 0.0, 0.0, 0.0}), -1.0, 1e-14);  // all compressive
 }
 
-TEST(PlasticStrainErosion, FailsAtTheLimit) {
+TEST(PlasticStrainErosion, fails_at_the_limit) {
   auto point = make_point("plastic_strain", "{limit: 0.85}");
   EXPECT_EQ(point.judge({}, 0.8499).failed, 0.0);
   EXPECT_EQ(point.judge({}, 0.85).failed, 1.0);
   EXPECT_EQ(point.judge({}, 0.9).value, 0.9);
 }
 
-TEST(PlasticStrainErosion, ReadsTheVariableOfTheMaterials) {
+TEST(PlasticStrainErosion, reads_the_variable_of_the_materials) {
   const Description* d = kerf::test::builtin_plugins().find("erosion", "plastic_strain");
   ASSERT_EQ(d->reads.size(), 1u);
   for (const char* material : {"elastic_plastic", "johnson_cook"})
     EXPECT_EQ(kerf::test::builtin_plugins().find("material", material)->state.at(0).name, d->reads[0].name);
 }
 
-TEST(TensileStressErosion, LooksAtTensionOnly) {
+TEST(TensileStressErosion, looks_at_tension_only) {
   auto point = make_point("tensile_stress", "{limit: 1 GPa}");
   ErosionInputPoint in;
   in.stress = {-5e9, -5e9, -5e9, 0.0, 0.0, 0.0};
@@ -69,7 +69,7 @@ TEST(TensileStressErosion, LooksAtTensionOnly) {
   EXPECT_NEAR(point.judge(in).value, 1.01e9, 1.0);
 }
 
-TEST(InversionErosion, FailsWithoutVolume) {
+TEST(InversionErosion, fails_without_volume) {
   auto point = make_point("inversion", "{}");
   ErosionInputPoint in;
   in.volume_ratio = 1e-3;
@@ -80,7 +80,7 @@ TEST(InversionErosion, FailsWithoutVolume) {
   EXPECT_EQ(point.judge(in).failed, 1.0);
 }
 
-TEST(MinimumTimeStepErosion, FailsBelowTheLimit) {
+TEST(MinimumTimeStepErosion, fails_below_the_limit) {
   auto point = make_point("minimum_time_step", "{limit: 1 ns}");
   ErosionInputPoint in;
   in.time_step = 1.01e-9;
@@ -89,7 +89,7 @@ TEST(MinimumTimeStepErosion, FailsBelowTheLimit) {
   EXPECT_EQ(point.judge(in).failed, 1.0);
 }
 
-TEST(GeometricStrainErosion, AddsUpAndComesBack) {
+TEST(GeometricStrainErosion, adds_up_and_comes_back) {
   auto point = make_point("geometric_strain", "{limit: 0.5}");
   ErosionInputPoint in;
   in.strain_increment = {0.01, -0.005, -0.005, 0.0, 0.0, 0.0};
@@ -102,7 +102,7 @@ TEST(GeometricStrainErosion, AddsUpAndComesBack) {
   EXPECT_NEAR(v.value, 0.0, 1e-13);
 }
 
-TEST(GeometricStrainErosion, TurnsWithTheMaterial) {
+TEST(GeometricStrainErosion, turns_with_the_material) {
   auto point = make_point("geometric_strain", "{limit: 1.0}");
   ErosionInputPoint stretch, turn, shrink;
   stretch.strain_increment = {0.2, -0.1, -0.1, 0.0, 0.0, 0.0};

@@ -74,7 +74,7 @@ const std::vector<Function> functions = {
 };
 // clang-format on
 
-TEST(Functions, ErrorsAreNoLargerThanStated) {
+TEST(Functions, errors_are_no_larger_than_stated) {
   for (const Function& f : functions) {
     Random random;
     double worst = 0.0, at = 0.0;
@@ -100,7 +100,7 @@ double worst_power(Pair (*arguments)(Random&)) {
   return worst;
 }
 
-TEST(Functions, ErrorsOfPowAreNoLargerThanStated) {
+TEST(Functions, errors_of_pow_are_no_larger_than_stated) {
   // powl of the C library errs by some units of 2^-64, of which a unit of double has 2048.
   EXPECT_LE(worst_power([](Random& r) {
               return Pair{std::fabs(r.over_magnitudes(-20, 20)), r.between(-30.0, 30.0)};
@@ -114,7 +114,7 @@ TEST(Functions, ErrorsOfPowAreNoLargerThanStated) {
   EXPECT_LE(worst_power([](Random& r) { return Pair{r.between(-9.0, 9.0), std::rint(r.between(-99.0, 99.0))}; }), 1.5);
 }
 
-TEST(Functions, ErrorsOfPositivePowerGrowWithTheLogarithmOfTheResult) {
+TEST(Functions, errors_of_positive_power_grow_with_the_logarithm_of_the_result) {
   Random random;
   for (int i = 0; i < 200'000; ++i) {
     const double x = std::fabs(random.over_magnitudes(-200, 200)), y = random.between(-4.9, 4.9);
@@ -124,7 +124,7 @@ TEST(Functions, ErrorsOfPositivePowerGrowWithTheLogarithmOfTheResult) {
   EXPECT_EQ(kerf::positive_power(1e-300, 5.0), 0x1p-1000);
 }
 
-TEST(Functions, ErrorsOfAtan2AndHypotAreNoLargerThanStated) {
+TEST(Functions, errors_of_atan2_and_hypot_are_no_larger_than_stated) {
   Random random;
   for (int i = 0; i < 200'000; ++i) {
     const double x = random.over_magnitudes(-500, 500), y = x * random.over_magnitudes(-6, 6);
@@ -149,7 +149,7 @@ void expect_alike(double ours, double right, const std::string& what) {
   }
 }
 
-TEST(Functions, SpecialValuesAreThoseOfTheLibrary) {
+TEST(Functions, special_values_are_those_of_the_library) {
   for (const double x : special) {
     const std::string at = std::to_string(x);
     expect_alike(kerf::exp(x), std::exp(x), "exp " + at);
@@ -176,7 +176,7 @@ TEST(Functions, SpecialValuesAreThoseOfTheLibrary) {
     expect_alike(kerf::exp(x), std::exp(x), "exp " + std::to_string(x));
 }
 
-TEST(Functions, FloatsAreRoundedDoubles) {
+TEST(Functions, floats_are_rounded_doubles) {
   static_assert(std::is_same_v<decltype(kerf::exp(1.0f)), float> && std::is_same_v<decltype(kerf::exp(1)), double>);
   Random random;
   for (int i = 0; i < 20'000; ++i) {
@@ -226,7 +226,7 @@ std::uint64_t hash_of_results(double low, double high, Function) {
 
 // The hashes were printed by this test itself. What it shows is that they are the same everywhere: no compiler, machine
 // or option may change one. They change with the functions, on purpose only.
-TEST(Functions, BitsAreTheSameInEveryLaneOnEveryMachine) {
+TEST(Functions, bits_are_the_same_in_every_lane_on_every_machine) {
   EXPECT_EQ(hash_of_results(-700.0, 700.0, KERF_CALL(kerf::exp(x))), 7578836497015087598u);
   EXPECT_EQ(hash_of_results(-3.0, 3.0, KERF_CALL(kerf::expm1(x))), 5901239060348571834u);
   EXPECT_EQ(hash_of_results(0.0, 3.0, KERF_CALL(kerf::log(x))), 6876952334295860785u);

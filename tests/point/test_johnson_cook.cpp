@@ -70,14 +70,14 @@ void compare_with_bisection(const Constants& c, unsigned seed) {
   }
 }
 
-TEST(JohnsonCook, AgreesWithBisectionForSteel) { compare_with_bisection(steel, 1); }
-TEST(JohnsonCook, AgreesWithBisectionForCopper) { compare_with_bisection(copper, 2); }
-TEST(JohnsonCook, AgreesWithBisectionForExtremeConstants) {
+TEST(JohnsonCook, agrees_with_bisection_for_steel) { compare_with_bisection(steel, 1); }
+TEST(JohnsonCook, agrees_with_bisection_for_copper) { compare_with_bisection(copper, 2); }
+TEST(JohnsonCook, agrees_with_bisection_for_extreme_constants) {
   compare_with_bisection({27e9, 1e6, 800e6, 0.05, 0.3, 0.5, 293.15, 900.0, 900.0, 0.9, 5e-4}, 3);
   compare_with_bisection({160e9, 1500e6, 0.0, 1.0, 0.0, 3.0, 293.15, 3695.0, 134.0, 1.0, 1.0}, 4);
 }
 
-TEST(JohnsonCook, SteadyShearFollowsTheFlowCurveAndHeats) {
+TEST(JohnsonCook, steady_shear_follows_the_flow_curve_and_heats) {
   auto point = make_point(steel);
   const double rate = 1e4, dt = 1e-8, de = std::sqrt(3.0) / 2.0 * rate * dt;  // equivalent rate of 1e4 /s
   double work = 0.0, last = 0.0;
@@ -93,7 +93,7 @@ TEST(JohnsonCook, SteadyShearFollowsTheFlowCurveAndHeats) {
   EXPECT_NEAR((T - steel.Tref) / (steel.chi * (work - elastic) / (7830.0 * steel.cp)), 1.0, 1e-3);
 }
 
-TEST(JohnsonCook, DoesNotOscillateUnderAConstantRate) {
+TEST(JohnsonCook, does_not_oscillate_under_a_constant_rate) {
   auto point = make_point(copper, 8960.0);
   double rate = 0.0;
   for (int i = 0; i < 400; ++i) {
@@ -106,13 +106,13 @@ TEST(JohnsonCook, DoesNotOscillateUnderAConstantRate) {
   }
 }
 
-TEST(JohnsonCook, HasNoStrengthAboveMelting) {
+TEST(JohnsonCook, has_no_strength_above_melting) {
   auto point = make_point(steel);
   point.set_state("temperature", 2000.0);
   EXPECT_LT(von_mises(point.step({0.01, -0.01, 0.0, 0.0, 0.0, 0.0})), 1e-6 * steel.A);
 }
 
-TEST(JohnsonCook, TakesAStepOfNoTimeAndNoStrain) {
+TEST(JohnsonCook, takes_a_step_of_no_time_and_no_strain) {
   auto point = make_point(steel);
   const SymTensor s = point.step({}, 0.0);
   EXPECT_EQ(double_dot(s, s), 0.0);
@@ -120,7 +120,7 @@ TEST(JohnsonCook, TakesAStepOfNoTimeAndNoStrain) {
   EXPECT_EQ(point.state("temperature"), steel.Tref);
 }
 
-TEST(JohnsonCook, StartsAtItsInitialTemperature) {
+TEST(JohnsonCook, starts_at_its_initial_temperature) {
   const auto law =
       make_law<Material>("material", "johnson_cook",
                          "{shear_modulus: 79 GPa, A: 806 MPa, B: 614 MPa, n: 0.168, C: 0.0089, m: 1.1, "
@@ -128,7 +128,7 @@ TEST(JohnsonCook, StartsAtItsInitialTemperature) {
   EXPECT_EQ(law->state_variables().at(1).initial, 400.0);
 }
 
-TEST(JohnsonCook, RefusesToMeltBelowItsReferenceTemperature) {
+TEST(JohnsonCook, refuses_to_melt_below_its_reference_temperature) {
   EXPECT_THAT(kerf::test::refusal("material", "johnson_cook",
                                   "{shear_modulus: 79 GPa, A: 806 MPa, B: 614 MPa, n: 0.168, C: 0.0089, m: 1.1, "
                                   "melting_temperature: 200 K, specific_heat: 460}"),

@@ -115,7 +115,7 @@ MaterialRows<Real> rows_of(Block<Real>& b) {
   return m;
 }
 
-TEST(Lanes, MaterialsTreatAllAlike) {
+TEST(Lanes, materials_treat_all_alike) {
   for (const std::string& name : builtin_plugins().names("material")) {
     ASSERT_TRUE(materials.contains(name)) << "give " << name << " parameters here";
     const auto law = make_law<Material>("material", name, materials.at(name));
@@ -127,7 +127,7 @@ TEST(Lanes, MaterialsTreatAllAlike) {
   }
 }
 
-TEST(SinglePrecision, MaterialsGiveTheSameStressToRoundOff) {
+TEST(SinglePrecision, materials_give_the_same_stress_to_round_off) {
   for (const std::string& name : builtin_plugins().names("material")) {
     const auto law = make_law<Material>("material", name, materials.at(name));
     const auto n_state = static_cast<int>(law->state_variables().size());
@@ -161,7 +161,7 @@ TEST(SinglePrecision, MaterialsGiveTheSameStressToRoundOff) {
   }
 }
 
-TEST(Lanes, EquationsOfStateTreatAllAlike) {
+TEST(Lanes, equations_of_state_treat_all_alike) {
   for (const std::string& name : builtin_plugins().names("eos")) {
     ASSERT_TRUE(equations.contains(name)) << "give " << name << " parameters here";
     const auto law = make_law<Eos>("eos", name, equations.at(name));

@@ -1,4 +1,4 @@
-"""What the README says is true: its links, its table of types, its example of a plugin, the cases' commands."""
+"""What the README says is true: its table of types, its plugin, the cases' commands. All pages' links."""
 
 import os
 import re
@@ -6,23 +6,36 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import yaml
 
 SOURCE = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("KERF_BUILD_DIR", SOURCE / "build")).resolve()
 KERF = os.environ.get("KERF_BINARY", str(BUILD / "bin" / "kerf"))
 README = (SOURCE / "README.md").read_text()
 CASES = sorted((SOURCE / "inputs").glob("*/README.md"))
+# The reference pages have a test of their own.
+PAGES = [*SOURCE.glob("*.md"), *CASES, SOURCE / "doc" / "README.md",
+         *(page for room in ("users", "theory", "plugin-authors", "developers")
+           for page in sorted((SOURCE / "doc" / room).glob("*.md")))]
 
 
 def call(*words):
     return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=300, cwd=SOURCE)
 
 
-@pytest.mark.parametrize("page", [SOURCE / "README.md", *CASES], ids=lambda path: str(path.relative_to(SOURCE)))
+def links(text):
+    text = re.sub(r"^```.*?^```|`[^`\n]*`", "", text, flags=re.MULTILINE | re.DOTALL)
+    return [target for target in re.findall(r"\]\(([^)#]+)", text) if not target.startswith("http")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(SOURCE)))
 def test_links_lead_to_files(page):
-    for target in re.findall(r"\]\(([^)#]+)", page.read_text()):
-        if not target.startswith("http"):
-            assert (page.parent / target).exists(), target
+    for target in links(page.read_text()):
+        assert (page.parent / target).exists(), target
+
+
+def test_links_are_found():
+    assert {"LICENSE", "doc/README.md"} <= set(links(README))
 
 
 def test_quick_start_has_the_two_commands():
@@ -43,6 +56,12 @@ def test_table_names_every_type():
     assert rows == kinds
 
 
+def test_the_citation_and_the_changelog_know_this_version():
+    version = call(KERF, "--version").stdout.split()[1]
+    assert yaml.safe_load((SOURCE / "CITATION.cff").read_text())["version"] == version
+    assert re.search(rf"^## v?{re.escape(version)} - ", (SOURCE / "CHANGELOG.md").read_text(), re.MULTILINE)
+
+
 def test_every_case_is_named():
     for folder in sorted((SOURCE / "inputs").iterdir()):
         if any(folder.glob("*.yaml")):
@@ -55,9 +74,9 @@ def test_the_plugin_compiles_and_is_described(tmp_path):
     cache = (BUILD / "CMakeCache.txt").read_text()
     compiler = re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache, re.MULTILINE).group(1)
     version = call(KERF, "--version").stdout.split()[1]
-    done = call(compiler, "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unknown-pragmas", "-shared", "-fPIC",
-                "-DKERF_PLUGIN_SHARED", f'-DKERF_VERSION="{version}"', f"-I{SOURCE / 'framework' / 'api'}", source,
-                "-o", library)
+    done = call(compiler, "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unknown-pragmas", "-shared",
+                "-fPIC", "-DKERF_PLUGIN_SHARED", f'-DKERF_VERSION="{version}"',
+                f"-I{SOURCE / 'framework' / 'api'}", source, "-o", library)
     assert done.returncode == 0, done.stderr
     done = call(KERF, "describe", "shear_stress", "--plugin", library)
     assert done.returncode == 0, done.stderr

@@ -59,7 +59,8 @@ def perforation(precision, hourglass):
             "plate": {"density": 7850, "strength": STEEL, "eos": LINEAR, "erosion": {"criteria": [
                 {"type": "plastic_strain", "limit": 0.5}, {"type": "inversion", "limit": 0.93}]}}},
         "parts": {
-            "rod": {"material": "rod", "element": {"type": "hex8", "hourglass": hourglass}, "velocity": "400 0 -1200 m/s",
+            "rod": {"material": "rod", "element": {"type": "hex8", "hourglass": hourglass},
+                    "velocity": "400 0 -1200 m/s",
                     "mesh": {"type": "cylinder", "radius": "2 mm", "length": "10 mm", "cell_size": "1 mm"},
                     "placement": [{"angle": "17 deg", "axis": [0, 1, 0]}, {"translate": "5 5 2.8 mm"}]},
             "plate": block("plate", "12 10 2 mm", [12, 10, 2])},
@@ -130,7 +131,8 @@ def main():
     stored = json.loads(STORED.read_text()) if STORED.exists() else {}
     differing = [name for name in MODELS if hashes[name] != stored.get(name)]
     for name in MODELS:
-        print(f"{name:<20} {hashes[name]} {'differs from ' + stored.get(name, 'none') if name in differing else 'as stored'}")
+        verdict = f"differs from {stored.get(name, 'none')}" if name in differing else "as stored"
+        print(f"{name:<20} {hashes[name]} {verdict}")
     if "--renew" in sys.argv[1:]:
         STORED.write_text(json.dumps(hashes, indent=2) + "\n")
         print(f"{STORED} is renewed: {len(differing)} changed")

@@ -1,4 +1,4 @@
-"""The same input gives the same bits: on any number of ranks, with any partitioner, through re-balancing and restart."""
+"""The same input gives the same bits: on any number of ranks, with any partitioner, through balancing and restart."""
 
 import csv
 import json
@@ -145,7 +145,8 @@ def test_restart_in_single_precision_changes_no_bit(tmp_path, before, after):
     expect_same(run(ROD, tmp_path, after, settings, resume=True), whole)
 
 
-@pytest.mark.parametrize("ranks, partitioner", [(2, "zoltan_rcb"), (3, "zoltan_hsfc"), (5, "zoltan_graph"), (5, "none")])
+@pytest.mark.parametrize("ranks, partitioner",
+                         [(2, "zoltan_rcb"), (3, "zoltan_hsfc"), (5, "zoltan_graph"), (5, "none")])
 def test_taylor_bar_has_the_same_bits(taylor, tmp_path, ranks, partitioner):
     expect_same(run(TAYLOR, tmp_path, ranks, OFTEN + partitioned(partitioner)), taylor)
 
@@ -170,7 +171,8 @@ def test_restart_on_other_ranks_changes_no_bit(tmp_path, before, after):
 def test_restart_with_two_contact_definitions_changes_no_bit(tmp_path):
     # Both push the same nodes; a restart file has one force of both.
     settings = OFTEN + ["output.restart_interval=8 us",
-                        "contacts=[{type: eroding_surface}, {type: eroding_surface, penalty: 0.1, self_contact: false}]"]
+                        "contacts=[{type: eroding_surface}, "
+                        "{type: eroding_surface, penalty: 0.1, self_contact: false}]"]
     whole = run(ROD, tmp_path / "whole", 1, settings)
     expect_same(run(ROD, tmp_path / "many", 3, settings), whole)
     run(ROD, tmp_path / "again", 2, settings)

@@ -90,7 +90,7 @@ class Binding : public testing::Test {
   Outer outer;
 };
 
-TEST_F(Binding, TakesValuesWithUnits) {
+TEST_F(Binding, takes_values_with_units) {
   bind("density: 7.8 g/cm3\nspeed: 2 km/s\ncycles: 1e3\non: false\nmode: drop\ntitle: Rod on plate\n");
   EXPECT_EQ(diagnostics.errors(), Lines{});
   EXPECT_DOUBLE_EQ(outer.density, 7800.0);
@@ -101,7 +101,7 @@ TEST_F(Binding, TakesValuesWithUnits) {
   EXPECT_EQ(outer.title, "Rod on plate");
 }
 
-TEST_F(Binding, BindsDefaultsLikeUserText) {
+TEST_F(Binding, binds_defaults_like_user_text) {
   bind("density: 1");
   EXPECT_EQ(diagnostics.errors(), Lines{});
   EXPECT_TRUE(outer.on);
@@ -114,14 +114,14 @@ TEST_F(Binding, BindsDefaultsLikeUserText) {
   EXPECT_DOUBLE_EQ(steel->exponent, 0.2);
 }
 
-TEST_F(Binding, LeavesOptionalValuesUntouched) {
+TEST_F(Binding, leaves_optional_values_untouched) {
   bind("density: 1");
   EXPECT_EQ(outer.speed, 1.0);
   EXPECT_TRUE(outer.times.empty());
   EXPECT_TRUE(outer.parts.empty());
 }
 
-TEST_F(Binding, TakesVectorsInEverySpelling) {
+TEST_F(Binding, takes_vectors_in_every_spelling) {
   for (const char* text : {"[0, 0, -1646]", "[0 m/s, 0 m/s, -1.646 km/s]", "[0, 0, -1646 m/s]", "0 0 -1646 m/s",
                            "\"[0, 0, -1.646] km/s\"", "0, 0, -1646", "\"[0, 0, -1646 m/s]\""}) {
     EXPECT_EQ(errors("velocity: " + std::string(text)), Lines{}) << text;
@@ -129,14 +129,14 @@ TEST_F(Binding, TakesVectorsInEverySpelling) {
   }
 }
 
-TEST_F(Binding, TakesListsOfNumbersAndTexts) {
+TEST_F(Binding, takes_lists_of_numbers_and_texts) {
   EXPECT_EQ(errors("times: 1 2 3 us\nnames: rod\n"), Lines{});
   EXPECT_EQ(outer.times.size(), 3u);
   EXPECT_DOUBLE_EQ(outer.times[2], 3e-6);
   EXPECT_EQ(outer.names, Lines{"rod"});
 }
 
-TEST_F(Binding, FillsNamedBlocksAndPlugins) {
+TEST_F(Binding, fills_named_blocks_and_plugins) {
   EXPECT_EQ(errors("parts:\n  rod: {angle: 1}\n  plate:\nlaws:\n  - {type: steel, yield: 2}\n"
                    "named:\n  soft: {type: steel, yield: 3}\n"),
             Lines{});
@@ -155,7 +155,7 @@ TEST_F(Binding, FillsNamedBlocksAndPlugins) {
   EXPECT_EQ(origins.find("laws[0].yield").text(), "a.yaml:6:26");
 }
 
-TEST_F(Binding, ReportsAllErrorsAtOnce) {
+TEST_F(Binding, reports_all_errors_at_once) {
   bind("spede: 3\nmode: dorp\ncycles: -4\n");
   EXPECT_EQ(diagnostics.errors(),
             (Lines{"a.yaml:1:1: error: unknown key `spede`; did you mean `speed`?",
@@ -171,7 +171,7 @@ struct Case {
 };
 class Message : public Binding, public testing::WithParamInterface<Case> {};
 
-TEST_P(Message, IsVerbatim) { EXPECT_EQ(errors(GetParam().text), GetParam().errors); }
+TEST_P(Message, is_verbatim) { EXPECT_EQ(errors(GetParam().text), GetParam().errors); }
 
 INSTANTIATE_TEST_SUITE_P(
     Of, Message,
@@ -246,13 +246,13 @@ INSTANTIATE_TEST_SUITE_P(
              {"a.yaml:3:26: error: `yield` = -1 Pa is out of range; expected greater than 0 Pa"}}),
     [](const testing::TestParamInfo<Case>& info) { return std::string(info.param.name); });
 
-TEST_F(Binding, LeavesOutAPluginWithErrors) {
+TEST_F(Binding, leaves_out_a_plugin_with_errors) {
   bind("density: 1\nlaws:\n  - {type: steel, yield: oops}\n  - {type: steel, yield: 2}\n");
   EXPECT_EQ(diagnostics.errors().size(), 1u);
   EXPECT_EQ(outer.laws.size(), 1u);
 }
 
-TEST_F(Binding, RefusesTwoPluginsOfOneName) {
+TEST_F(Binding, refuses_two_plugins_of_one_name) {
   try {
     registry.add_type<Steel>("law", "steel", "another", "other.cpp");
     FAIL() << "the second registration was accepted";
@@ -263,7 +263,7 @@ TEST_F(Binding, RefusesTwoPluginsOfOneName) {
   }
 }
 
-TEST_F(Binding, DescribesWhatItBinds) {
+TEST_F(Binding, describes_what_it_binds) {
   EXPECT_EQ(describe_text(*registry.find("law", "steel")),
             "steel (law): a law for tests\n"
             "declared in test_binder.cpp\n"
@@ -283,13 +283,13 @@ TEST_F(Binding, DescribesWhatItBinds) {
   EXPECT_NE(json_schema(registry).find("\"law.steel\""), std::string::npos);
 }
 
-TEST_F(Binding, LoaderRefusesWhatIsNoPlugin) {
+TEST_F(Binding, loader_refuses_what_is_no_plugin) {
   load_plugin("no_such_file.so", registry, diagnostics);
   EXPECT_EQ(diagnostics.errors(),
             Lines{"no_such_file.so: error: there is no such plugin file; expected the path of a shared library (.so)"});
 }
 
-TEST(Manifest, NamesWhatDiffers) {
+TEST(Manifest, names_what_differs) {
   Manifest theirs = this_manifest();
   EXPECT_EQ(manifest_difference(theirs, this_manifest()), "");
   theirs.interface = interface_version + 1;

@@ -75,7 +75,7 @@ class Boxes {
   std::vector<std::size_t> known_;
 };
 
-TEST(BoxTree, FindsWhatALookAtEveryBoxFinds) {
+TEST(BoxTree, finds_what_a_look_at_every_box_finds) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     Boxes boxes(seed);
     const unsigned n_first = seed % 3 == 0 ? 0 : boxes.dice(700);
@@ -98,7 +98,7 @@ TEST(BoxTree, FindsWhatALookAtEveryBoxFinds) {
   }
 }
 
-TEST(BoxTree, TakesAPlaceFarBeyondTheOthers) {
+TEST(BoxTree, takes_a_place_far_beyond_the_others) {
   Boxes boxes(1);
   for (const std::size_t place : {std::size_t{3}, std::size_t{5000}, std::size_t{70}}) {
     const Box box = boxes.some_box();

@@ -20,7 +20,7 @@ Lines errors_of(const std::string& text) {
   return diagnostics.errors();
 }
 
-TEST(Yaml, KeepsThePlaceOfKeysAndValues) {
+TEST(Yaml, keeps_the_place_of_keys_and_values) {
   Diagnostics diagnostics;
   const Node root = read("# rod\ntime:\n  end: 50 us\nparts: [a, b]\n", diagnostics);
   ASSERT_TRUE(root.find("time"));
@@ -33,38 +33,38 @@ TEST(Yaml, KeepsThePlaceOfKeysAndValues) {
   EXPECT_FALSE(diagnostics.has_errors());
 }
 
-TEST(Yaml, KeepsTheOrderOfKeys) {
+TEST(Yaml, keeps_the_order_of_keys) {
   Diagnostics diagnostics;
   const Node root = read("z: 1\na: 2\nm: 3\n", diagnostics);
   EXPECT_EQ(root.entries[0].key + root.entries[1].key + root.entries[2].key, "zam");
 }
 
-TEST(Yaml, RefusesAKeyThatIsGivenTwice) {
+TEST(Yaml, refuses_a_key_that_is_given_twice) {
   EXPECT_EQ(errors_of("end: 1\ngrowth: 2\nend: 3\n"),
             Lines{"a.yaml:3:1: error: `end` is given twice; it stands in line 1 already"});
 }
 
-TEST(Yaml, NamesThePlaceOfASyntaxError) {
+TEST(Yaml, names_the_place_of_a_syntax_error) {
   EXPECT_EQ(
       errors_of("a: b: c\n"),
       Lines{"a.yaml:1:5: error: not valid YAML: illegal map value; the keys of a block begin in one column, and a "
             "text that holds a colon and a space must be quoted"});
 }
 
-TEST(Yaml, SaysHowToWriteAListWithAUnit) {
+TEST(Yaml, says_how_to_write_a_list_with_a_unit) {
   EXPECT_EQ(errors_of("a:\n  v: [0, 0, -1] m/s\n"),
             Lines{"a.yaml:2:17: error: not valid YAML: end of map not found; a list followed by a unit must be quoted, "
                   "for example \"[0, 0, -1] m/s\""});
 }
 
-TEST(Yaml, ResolvesAliases) {
+TEST(Yaml, resolves_aliases) {
   Diagnostics diagnostics;
   const Node root = read("a: &x {b: 1}\nc: *x\n", diagnostics);
   ASSERT_TRUE(root.find("c")->value.find("b"));
   EXPECT_EQ(root.find("c")->value.find("b")->value.text, "1");
 }
 
-TEST(Yaml, BoundsTheExpansionOfAliases) {
+TEST(Yaml, bounds_the_expansion_of_aliases) {
   std::string text = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 9; ++i) {
     const std::string n = std::to_string(i), m = "*a" + std::to_string(i - 1);
@@ -77,12 +77,12 @@ TEST(Yaml, BoundsTheExpansionOfAliases) {
   EXPECT_NE(errors[0].find("the aliases expand to too many values"), std::string::npos);
 }
 
-TEST(Yaml, RefusesASecondDocument) {
+TEST(Yaml, refuses_a_second_document) {
   EXPECT_EQ(errors_of("a: 1\n---\nb: 2\n"),
             Lines{"a.yaml:2:1: error: a second YAML document begins; expected one only, without `---` in between"});
 }
 
-TEST(Yaml, RefusesTags) {
+TEST(Yaml, refuses_tags) {
   EXPECT_EQ(errors_of("a: !!int 3\n"),
             Lines{"a.yaml:1:4: error: the tag \"tag:yaml.org,2002:int\" has no meaning here; leave it out"});
 }
@@ -94,7 +94,7 @@ class Override : public testing::Test {
   Override() { root = read("time: {end: 1}\ncontacts:\n  - {type: penalty, friction: 0}\n", diagnostics); }
 };
 
-TEST_F(Override, ReplacesAValue) {
+TEST_F(Override, replaces_a_value) {
   kerf::apply_override(root, "time.end=50 us", diagnostics);
   const kerf::Entry* end = root.find("time")->value.find("end");
   EXPECT_EQ(end->value.text, "50 us");
@@ -102,26 +102,26 @@ TEST_F(Override, ReplacesAValue) {
   EXPECT_EQ(end->key_origin.text(), "--set time.end=50 us");
 }
 
-TEST_F(Override, CreatesMissingKeys) {
+TEST_F(Override, creates_missing_keys) {
   kerf::apply_override(root, "output.node_fields=[velocity, mass]", diagnostics);
   ASSERT_TRUE(root.find("output"));
   EXPECT_EQ(root.find("output")->value.find("node_fields")->value.items.at(1).text, "mass");
 }
 
-TEST_F(Override, ReachesIntoListsByEitherSpelling) {
+TEST_F(Override, reaches_into_lists_by_either_spelling) {
   kerf::apply_override(root, "contacts.0.friction=0.1", diagnostics);
   EXPECT_EQ(root.find("contacts")->value.items[0].find("friction")->value.text, "0.1");
   kerf::apply_override(root, "contacts[0].friction=0.2", diagnostics);
   EXPECT_EQ(root.find("contacts")->value.items[0].find("friction")->value.text, "0.2");
 }
 
-TEST_F(Override, TakesAListWithAUnit) {
+TEST_F(Override, takes_a_list_with_a_unit) {
   kerf::apply_override(root, "v=[0, 0, -1] m/s", diagnostics);
   EXPECT_EQ(root.find("v")->value.text, "[0, 0, -1] m/s");
   EXPECT_FALSE(diagnostics.has_errors());
 }
 
-TEST_F(Override, RefusesWhatItCannotFollow) {
+TEST_F(Override, refuses_what_it_cannot_follow) {
   kerf::apply_override(root, "contacts.3.friction=0.1", diagnostics);
   kerf::apply_override(root, "time.end.x=0.1", diagnostics);
   kerf::apply_override(root, "time.end", diagnostics);
@@ -135,7 +135,7 @@ TEST_F(Override, RefusesWhatItCannotFollow) {
              "between"}));
 }
 
-TEST(OriginMap, FallsBackOnTheEnclosingBlock) {
+TEST(OriginMap, falls_back_on_the_enclosing_block) {
   const auto file = std::make_shared<const std::string>("a.yaml");
   kerf::OriginMap map;
   map.add("parts.rod", {file, 4, 3});
@@ -147,7 +147,7 @@ TEST(OriginMap, FallsBackOnTheEnclosingBlock) {
   EXPECT_EQ(map.find_text("a.yaml:4:3", "lead"), "a.yaml:4:3");
 }
 
-TEST(NearestName, FindsSlipsOfThePen) {
+TEST(NearestName, finds_slips_of_the_pen) {
   EXPECT_EQ(kerf::nearest_name("denisty", {"eos", "density", "strength"}), "density");
   EXPECT_EQ(kerf::nearest_name("Density", {"eos", "density"}), "density");
   EXPECT_EQ(kerf::nearest_name("johnson", {"elastic", "johnson_cook"}), "johnson_cook");

@@ -22,7 +22,7 @@ void expect_flushed(bool flushed) {
   EXPECT_EQ(std::bit_cast<Bits>(static_cast<Number>(grown)) == 0, flushed);
 }
 
-TEST(FlushDenormals, ActsOnResultsAndOperandsWhileItLives) {
+TEST(FlushDenormals, acts_on_results_and_operands_while_it_lives) {
   expect_flushed<float, std::uint32_t>(false);
   expect_flushed<double, std::uint64_t>(false);
   {

@@ -148,7 +148,7 @@ double gauss_volume(const HexCorners& x) {
   return volume;
 }
 
-TEST(MeshQuality, VolumeIsExactForParallelepipedsAndWarpedHexahedra) {
+TEST(MeshQuality, volume_is_exact_for_parallelepipeds_and_warped_hexahedra) {
   EXPECT_NEAR(parallelepiped_error({1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 0.0, 1e-14);
   EXPECT_NEAR(parallelepiped_error({2, 0.1, 0}, {0.3, 1, -0.2}, {0.2, 0.4, 3}), 0.0, 1e-13);
   const HexCorners warped{{{0, 0, 0.1},
@@ -162,7 +162,7 @@ TEST(MeshQuality, VolumeIsExactForParallelepipedsAndWarpedHexahedra) {
   EXPECT_NEAR(hex_volume(warped), gauss_volume(warped), 1e-14);
 }
 
-TEST(MeshQuality, ScaledJacobianTellsBricksShearsAndInversions) {
+TEST(MeshQuality, scaled_jacobian_tells_bricks_shears_and_inversions) {
   HexCorners x{{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}, {0, 0, 3}, {2, 0, 3}, {2, 1, 3}, {0, 1, 3}}};
   EXPECT_NEAR(min_scaled_jacobian(x), 1.0, 1e-15);
   EXPECT_DOUBLE_EQ(shortest_edge(x), 1.0);
@@ -177,7 +177,7 @@ TEST(MeshQuality, ScaledJacobianTellsBricksShearsAndInversions) {
   EXPECT_EQ(min_scaled_jacobian(collapsed), 0.0);
 }
 
-TEST(BlockGenerator, UniformBoxIsConformingAndExact) {
+TEST(BlockGenerator, uniform_box_is_conforming_and_exact) {
   BlockGenerator g;
   g.size = {3, 2, 1};
   g.origin = {-1, 5, 0.5};
@@ -199,7 +199,7 @@ TEST(BlockGenerator, UniformBoxIsConformingAndExact) {
   }
 }
 
-TEST(BlockGenerator, CellSizeIsRoundedToWholeCells) {
+TEST(BlockGenerator, cell_size_is_rounded_to_whole_cells) {
   BlockGenerator g;
   g.size = {1.0, 0.26, 0.5};
   g.cell_size = 0.1;
@@ -207,7 +207,7 @@ TEST(BlockGenerator, CellSizeIsRoundedToWholeCells) {
   EXPECT_EQ(g.n_elements(), 10 * 3 * 5);
 }
 
-TEST(BlockGenerator, GradingKeepsStretchesAndRatios) {
+TEST(BlockGenerator, grading_keeps_stretches_and_ratios) {
   BlockGenerator g;
   g.size = {2, 1, 1};
   g.cells = {1, 1, 1};
@@ -246,7 +246,7 @@ void expect_refined(const std::vector<double>& x, double from, double to, double
   EXPECT_LT(largest, coarse * (1.0 + 1e-9));
 }
 
-TEST(BlockGenerator, RefinedIntervalGrowsToTheCoarseSize) {
+TEST(BlockGenerator, refined_interval_grows_to_the_coarse_size) {
   BlockGenerator g;
   g.size = {0.1, 0.1, 0.02};
   g.cell_size = 4e-3;
@@ -269,7 +269,7 @@ TEST(BlockGenerator, RefinedIntervalGrowsToTheCoarseSize) {
   EXPECT_NEAR(assess(g).total_volume, 2e-4, 1e-12);
 }
 
-TEST(BlockGenerator, RefinedZoneIsCutOffAtTheBox) {
+TEST(BlockGenerator, refined_zone_is_cut_off_at_the_box) {
   BlockGenerator g;
   g.size = {0.1, 0.1, 0.02};
   g.cell_size = 4e-3;
@@ -283,7 +283,7 @@ TEST(BlockGenerator, RefinedZoneIsCutOffAtTheBox) {
   EXPECT_EQ(g.lines(2).size(), 6u);
 }
 
-TEST(Grading, ShortRestsBesideAFineZoneKeepCellsLarge) {
+TEST(Grading, short_rests_beside_a_fine_zone_keep_cells_large) {
   for (double from = 0.001; from < 0.2; from += 0.00137) {
     const auto x = refined_lines(1.0, {from, 0.5, 0.01, 1.15, 0.05});
     EXPECT_EQ(x.front(), 0.0);
@@ -292,7 +292,7 @@ TEST(Grading, ShortRestsBesideAFineZoneKeepCellsLarge) {
   }
 }
 
-TEST(BlockGenerator, NonsenseIsToldInSentences) {
+TEST(BlockGenerator, nonsense_is_told_in_sentences) {
   BlockGenerator g;
   g.size = {1, 1, 1};
   EXPECT_NE(broken_rule(g).find("either cells or cell_size"), std::string::npos);
@@ -325,7 +325,7 @@ TEST(BlockGenerator, NonsenseIsToldInSentences) {
 
 class Rods : public testing::TestWithParam<Case> {};
 
-TEST_P(Rods, AreConformingWithCompleteFaces) {
+TEST_P(Rods, are_conforming_with_complete_faces) {
   const auto g = rod(GetParam());
   ASSERT_EQ(broken_rule(*g), "");
   ASSERT_TRUE(g->prepare().empty());
@@ -333,7 +333,7 @@ TEST_P(Rods, AreConformingWithCompleteFaces) {
   expect_distinct_nodes(*g, 0.05 * g->cell_size);
 }
 
-TEST_P(Rods, HaveWellShapedCells) {
+TEST_P(Rods, have_well_shaped_cells) {
   const auto g = rod(GetParam());
   ASSERT_TRUE(g->prepare().empty());
   const MeshReport report = assess(*g);
@@ -345,7 +345,7 @@ TEST_P(Rods, HaveWellShapedCells) {
   EXPECT_GT(report.smallest_edge, (coarse ? 0.2 : 0.29) * g->cell_size);
 }
 
-TEST_P(Rods, LieWithinTheirEnvelope) {
+TEST_P(Rods, lie_within_their_envelope) {
   const auto g = rod(GetParam());
   ASSERT_TRUE(g->prepare().empty());
   const int z_min = face_index(*g, "z_min"), lateral = face_index(*g, "lateral");
@@ -381,7 +381,7 @@ std::vector<std::array<double, 3>> sorted_nodes(const MeshGenerator& g, const st
   return nodes;
 }
 
-TEST(CylinderGenerator, HalvesAndQuartersMakeUpTheFullRod) {
+TEST(CylinderGenerator, halves_and_quarters_make_up_the_full_rod) {
   for (const std::string nose : {"flat", "conical", "ogival", "hemispherical"}) {
     std::map<std::string, std::unique_ptr<CylinderGenerator>> g;
     for (const std::string sector : {"full", "half", "quarter"}) {
@@ -415,7 +415,7 @@ void expect_second_order(CylinderGenerator& g, double exact) {
   EXPECT_NEAR(std::log2(error[0] / error[1]), 2.0, 0.25);
 }
 
-TEST(CylinderGenerator, VolumeConvergesWithSecondOrder) {
+TEST(CylinderGenerator, volume_converges_with_second_order) {
   const double r = 1.5, length = 6.0;
   {
     CylinderGenerator g;
@@ -443,7 +443,7 @@ TEST(CylinderGenerator, VolumeConvergesWithSecondOrder) {
   }
 }
 
-TEST(CylinderGenerator, OgiveHasItsClosedFormVolume) {
+TEST(CylinderGenerator, ogive_has_its_closed_form_volume) {
   CylinderGenerator g;
   g.radius = 1.0;
   g.length = 8.0;
@@ -460,7 +460,7 @@ TEST(CylinderGenerator, OgiveHasItsClosedFormVolume) {
   EXPECT_NEAR(assess(g).total_volume, exact, 1e-3 * exact);
 }
 
-TEST(CylinderGenerator, ExactSectionHasTheVolumeOfTheCylinder) {
+TEST(CylinderGenerator, exact_section_has_the_volume_of_the_cylinder) {
   CylinderGenerator g;
   g.radius = 0.7;
   g.length = 2.0;
@@ -473,7 +473,7 @@ TEST(CylinderGenerator, ExactSectionHasTheVolumeOfTheCylinder) {
   EXPECT_NEAR(assess(g).total_volume, pi * 0.49, 1e-12);
 }
 
-TEST(CylinderGenerator, SectionsAreAboutAsFineAsAsked) {
+TEST(CylinderGenerator, sections_are_about_as_fine_as_asked) {
   const auto elements_in_section = [](double cell_size, const std::string& sector) {
     const auto g = rod({"", "flat", sector, 0, 0, -1, cell_size});
     EXPECT_TRUE(g->prepare().empty());
@@ -483,7 +483,7 @@ TEST(CylinderGenerator, SectionsAreAboutAsFineAsAsked) {
   EXPECT_EQ(elements_in_section(1.5e-3, "half"), 16.0);
 }
 
-TEST(CylinderGenerator, AxialRatioGradesTheLayers) {
+TEST(CylinderGenerator, axial_ratio_grades_the_layers) {
   CylinderGenerator g;
   g.radius = 1.0;
   g.length = 10.0;
@@ -500,7 +500,7 @@ TEST(CylinderGenerator, AxialRatioGradesTheLayers) {
   EXPECT_NEAR((z[20] - z[19]) / (z[1] - z[0]), 5.0, 1e-9);
 }
 
-TEST(CylinderGenerator, NonsenseIsToldInSentences) {
+TEST(CylinderGenerator, nonsense_is_told_in_sentences) {
   CylinderGenerator g;
   g.radius = 1.0;
   g.length = 2.0;
@@ -529,7 +529,7 @@ TEST(CylinderGenerator, NonsenseIsToldInSentences) {
 
 // Ten million elements cost nothing until they are asked for, and each one is cheap: the generous bounds
 // fail only where something is proportional to the mesh or allocates.
-TEST(CylinderGenerator, LargeMeshesAreAddressableAtOnce) {
+TEST(CylinderGenerator, large_meshes_are_addressable_at_once) {
   const auto seconds = [start = std::chrono::steady_clock::now()] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };

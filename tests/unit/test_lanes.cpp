@@ -46,15 +46,15 @@ void expect_nearest(double limit, const Round& round) {
   }
 }
 
-TEST(Lanes, RoundToTheNearestWholeNumberTiesToEven) {
+TEST(Lanes, round_to_the_nearest_whole_number_ties_to_even) {
   expect_nearest(0x1p62, [](Lanes v) { return round_to_int(v); });
 }
 
-TEST(Lanes, RoundSmallNumbersAlike) {
+TEST(Lanes, round_small_numbers_alike) {
   expect_nearest(small_limit, [](Lanes v) { return round_small_to_int(v); });
 }
 
-TEST(Lanes, MaskHasOneBitPerLane) {
+TEST(Lanes, mask_has_one_bit_per_lane) {
   for (unsigned bits = 0; bits <= all_lanes; ++bits) {
     alignas(64) double v[register_lanes];
     for (int l = 0; l < register_lanes; ++l) v[l] = (bits >> l & 1u) != 0 ? 1.0 : -1.0;
@@ -63,7 +63,7 @@ TEST(Lanes, MaskHasOneBitPerLane) {
   }
 }
 
-TEST(Lanes, MagnitudeKeepsNaNAndInfinity) {
+TEST(Lanes, magnitude_keeps_na_n_and_infinity) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(std::isnan(abs_of(lanes(nan))[0]));
   EXPECT_EQ(abs_of(lanes(-infinity))[0], infinity);
@@ -71,13 +71,13 @@ TEST(Lanes, MagnitudeKeepsNaNAndInfinity) {
   EXPECT_FALSE(std::signbit(abs_of(lanes(-0.0))[0]));
 }
 
-TEST(Lanes, RootIsThatOfEachLane) {
+TEST(Lanes, root_is_that_of_each_lane) {
   alignas(64) double v[register_lanes];
   for (int l = 0; l < register_lanes; ++l) v[l] = 1.7 * (l + 1);
   for (int l = 0; l < register_lanes; ++l) EXPECT_EQ(sqrt_of(load_lanes(v))[l], std::sqrt(v[l]));
 }
 
-TEST(Lanes, GatherReadsThreeComponentsOfEachNode) {
+TEST(Lanes, gather_reads_three_components_of_each_node) {
   alignas(64) double nodal[4 * 20];
   for (int i = 0; i < 80; ++i) nodal[i] = 100.0 + i;
   const std::int32_t node[8] = {3, 17, 0, 3, 19, 8, 9, 1};
@@ -90,7 +90,7 @@ TEST(Lanes, GatherReadsThreeComponentsOfEachNode) {
   }
 }
 
-TEST(Lanes, GatherReadsWholeRows) {
+TEST(Lanes, gather_reads_whole_rows) {
   alignas(64) double rows[4 * 20];
   for (int i = 0; i < 80; ++i) rows[i] = 100.0 + i;
   const std::int32_t number[8] = {19, 0, 7, 7, 3, 18, 2, 11};
@@ -100,7 +100,7 @@ TEST(Lanes, GatherReadsWholeRows) {
     for (int l = 0; l < register_lanes; ++l) EXPECT_EQ(column[c][l], 100.0 + 4 * number[l] + c);
 }
 
-TEST(Lanes, ScatterAddsLaneAfterLaneWhereLanesShareANode) {
+TEST(Lanes, scatter_adds_lane_after_lane_where_lanes_share_a_node) {
   alignas(64) std::int64_t nodal[4 * 6], expected[4 * 6];
   for (int i = 0; i < 24; ++i) nodal[i] = expected[i] = 1000 + i;
   const std::int32_t node[8] = {2, 2, 5, 2, 0, 5, 5, 2};
@@ -114,7 +114,7 @@ TEST(Lanes, ScatterAddsLaneAfterLaneWhereLanesShareANode) {
   for (int i = 0; i < 24; ++i) EXPECT_EQ(nodal[i], expected[i]) << i;  // the fourth entries are left alone
 }
 
-TEST(Lanes, PiecesMakeUpABlock) {
+TEST(Lanes, pieces_make_up_a_block) {
   int lanes_seen = 0;
   each_piece([&](int lane) {
     EXPECT_EQ(lane, lanes_seen);
@@ -123,7 +123,7 @@ TEST(Lanes, PiecesMakeUpABlock) {
   EXPECT_EQ(lanes_seen, lane_width);
 }
 
-TEST(SingleLanes, PiecesMakeUpABlock) {
+TEST(SingleLanes, pieces_make_up_a_block) {
   int lanes_seen = 0;
   each_piece<float>([&](int lane) {
     EXPECT_EQ(lane, lanes_seen);
@@ -133,7 +133,7 @@ TEST(SingleLanes, PiecesMakeUpABlock) {
   EXPECT_EQ(n_wide<float> * register_lanes, single_lanes);
 }
 
-TEST(SingleLanes, MaskRootMagnitudeAndExtremesAreThoseOfEachLane) {
+TEST(SingleLanes, mask_root_magnitude_and_extremes_are_those_of_each_lane) {
   for (unsigned bits = 0; bits <= all_lanes_of<float>; ++bits) {
     alignas(64) float v[single_lanes];
     for (int l = 0; l < single_lanes; ++l) v[l] = (bits >> l & 1u) != 0 ? 1.7f * (l + 1) : -1.0f;
@@ -149,7 +149,7 @@ TEST(SingleLanes, MaskRootMagnitudeAndExtremesAreThoseOfEachLane) {
   EXPECT_TRUE(std::isnan(abs_of(lanes(std::numeric_limits<float>::quiet_NaN()))[0]));
 }
 
-TEST(SingleLanes, GoFromDoublesAndBack) {
+TEST(SingleLanes, go_from_doubles_and_back) {
   alignas(64) double in[lane_width], out[lane_width], sum[lane_width];
   for (int l = 0; l < lane_width; ++l) {
     in[l] = (l + 1) / 3.0;

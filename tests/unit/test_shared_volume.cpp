@@ -32,7 +32,7 @@ double shared(const HexCorners& a, const HexCorners& b) {
   return shared_volume(a, FacePlanes(a), b, FacePlanes(b), tolerance).volume;
 }
 
-TEST(SharedVolume, OfBricksIsTheirCommonBox) {
+TEST(SharedVolume, of_bricks_is_their_common_box) {
   const HexCorners a = brick({0, 0, 0}, {1, 1, 1}), b = brick({0.7, -0.5, 0.25}, {1.5, 0.5, 0.75});
   const SharedVolume s = shared_volume(a, FacePlanes(a), b, FacePlanes(b), tolerance);
   EXPECT_NEAR(s.volume, 0.3 * 0.5 * 0.5, loss);
@@ -41,26 +41,26 @@ TEST(SharedVolume, OfBricksIsTheirCommonBox) {
   EXPECT_NEAR(shared(b, a), s.volume, loss);
 }
 
-TEST(SharedVolume, OfACellWithItselfIsAllOfIt) {
+TEST(SharedVolume, of_a_cell_with_itself_is_all_of_it) {
   EXPECT_NEAR(shared(brick({0, 0, 0}, {1, 1, 1}), brick({0, 0, 0}, {1, 1, 1})), 1.0, loss);
 }
 
-TEST(SharedVolume, OfASmallCellInsideALargeOne) {
+TEST(SharedVolume, of_a_small_cell_inside_a_large_one) {
   EXPECT_NEAR(shared(brick({0, 0, 0}, {1, 1, 1}), brick({0.4, 0.4, 0.4}, {0.5, 0.5, 0.5})), 1e-3, loss);
   EXPECT_NEAR(shared(brick({0.4, 0.4, 0.4}, {0.5, 0.5, 0.5}), brick({0, 0, 0}, {1, 1, 1})), 1e-3, loss);
 }
 
 /// Neither has a corner in the other.
-TEST(SharedVolume, OfBarsThatCross) {
+TEST(SharedVolume, of_bars_that_cross) {
   EXPECT_NEAR(shared(brick({0, 0, 0}, {10, 1, 1}), brick({4, -5, 0.5}, {5, 5, 1.5})), 0.5, 10.0 * loss);
 }
 
-TEST(SharedVolume, OfSquaresTurnedByAnEighthIsAnOctagon) {
+TEST(SharedVolume, of_squares_turned_by_an_eighth_is_an_octagon) {
   const HexCorners a = brick({0, 0, 0}, {1, 1, 1}), b = turned(a, std::atan(1.0), {0.5, 0.5, 0.0});
   EXPECT_NEAR(shared(a, b), 2.0 * (std::sqrt(2.0) - 1.0), loss);
 }
 
-TEST(SharedVolume, IsNothingWhereCellsTouchOrAreApart) {
+TEST(SharedVolume, is_nothing_where_cells_touch_or_are_apart) {
   const HexCorners a = brick({0, 0, 0}, {1, 1, 1});
   for (const HexCorners& b :
        {brick({1, 0, 0}, {2, 1, 1}), brick({1, 1, 0}, {2, 2, 1}), brick({1, 1, 1}, {2, 2, 2}),
@@ -71,7 +71,7 @@ TEST(SharedVolume, IsNothingWhereCellsTouchOrAreApart) {
 }
 
 /// Ten times deeper than the tolerance: the edge of a turned cube in a face.
-TEST(SharedVolume, SeesAnEdgeThatIsHardlyInside) {
+TEST(SharedVolume, sees_an_edge_that_is_hardly_inside) {
   const HexCorners a = brick({0, 0, 0}, {1, 1, 1});
   const double half = std::sqrt(0.5);
   const HexCorners b = turned(brick({0, 0, 0}, {1, 1, 1}), std::atan(1.0), {0.5, 0.5, 0.0});
@@ -84,7 +84,7 @@ TEST(SharedVolume, SeesAnEdgeThatIsHardlyInside) {
 }
 
 /// A turned cube against many points: volumes agree within the scatter of counting.
-TEST(SharedVolume, AgreesWithCountingPoints) {
+TEST(SharedVolume, agrees_with_counting_points) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> in(-0.6, 0.6), turn(0.0, 6.0);
   for (int round = 0; round < 20; ++round) {

@@ -13,7 +13,7 @@ struct Good {
 };
 class Converts : public testing::TestWithParam<Good> {};
 
-TEST_P(Converts, ToSi) {
+TEST_P(Converts, to_si) {
   const kerf::Quantity q = to_si(GetParam().text, GetParam().unit);
   EXPECT_EQ(q.error, "");
   // udunits2 multiplies by rounded factors; a few units in the last place are all that may differ.
@@ -40,7 +40,7 @@ struct Bad {
 };
 class Refuses : public testing::TestWithParam<Bad> {};
 
-TEST_P(Refuses, WithThisMessage) { EXPECT_EQ(to_si(GetParam().text, GetParam().unit).error, GetParam().message); }
+TEST_P(Refuses, with_this_message) { EXPECT_EQ(to_si(GetParam().text, GetParam().unit).error, GetParam().message); }
 
 INSTANTIATE_TEST_SUITE_P(
     Units, Refuses,
@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Numbers, Refuses,
                                          Bad{"1 000 m", "m", "\"1 000 m\" is not a number; expected a length in m"},
                                          Bad{"1e999", "-", "\"1e999\" does not fit a double-precision number"}));
 
-TEST(ParseNumber, IsStrict) {
+TEST(ParseNumber, is_strict) {
   double value = 0.0;
   EXPECT_TRUE(kerf::parse_number(" 1e-7 ", value));
   EXPECT_EQ(value, 1e-7);

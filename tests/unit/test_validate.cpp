@@ -130,9 +130,9 @@ class Validate : public testing::Test {
   Registry registry;
 };
 
-TEST_F(Validate, AcceptsAModelWithoutMistakes) { EXPECT_EQ(errors({}), Lines{}); }
+TEST_F(Validate, accepts_a_model_without_mistakes) { EXPECT_EQ(errors({}), Lines{}); }
 
-TEST_F(Validate, FindsUnknownNames) {
+TEST_F(Validate, finds_unknown_names) {
   EXPECT_EQ(errors({"parts.rod.material=stele"}),
             Lines{"--set parts.rod.material=stele: error: there is no material \"stele\"; did you mean `steel`?"});
   EXPECT_EQ(errors({"sets.tip.parts=rodd"}),
@@ -149,37 +149,37 @@ TEST_F(Validate, FindsUnknownNames) {
                   "displacement and mass"});
 }
 
-TEST_F(Validate, FindsElementsThatDoNotComputeInSinglePrecision) {
+TEST_F(Validate, finds_elements_that_do_not_compute_in_single_precision) {
   EXPECT_EQ(errors({"precision=double"}), Lines{});
   EXPECT_EQ(errors({"precision=single", "parts.rod.element={type: small_brick}"}),
             Lines{"--set precision=single: error: the element hex8 of part `plate` computes in double precision only; "
                   "expected double"});
 }
 
-TEST_F(Validate, FindsMeshesOfAnotherShapeThanTheElement) {
+TEST_F(Validate, finds_meshes_of_another_shape_than_the_element) {
   EXPECT_EQ(errors({"parts.rod.element={type: pyramid}"}),
             Lines{"a.yaml:5:9: error: the mesh of part `rod` is made of cells of the shape hexahedron, and the element "
                   "pyramid is a pyramid; expected one shape"});
 }
 
-TEST_F(Validate, FindsAPartAndASetOfOneName) {
+TEST_F(Validate, finds_a_part_and_a_set_of_one_name) {
   EXPECT_EQ(errors({"sets.rod.face=top"}),
             Lines{"--set sets.rod.face=top: error: a part is called `rod` already; expected another name, since parts "
                   "and sets are chosen from alike"});
 }
 
-TEST_F(Validate, FindsAVariableThatNoLawKeeps) {
+TEST_F(Validate, finds_a_variable_that_no_law_keeps) {
   EXPECT_EQ(errors({"materials.steel.erosion={criteria: [{type: limit}]}"}),
             Lines{"--set materials.steel.erosion={criteria: [{type: limit}]}: error: limit reads the state variable "
                   "\"damage\" (damage of the law), which no law of material `steel` declares; its laws declare "
                   "plastic_strain"});
 }
 
-TEST_F(Validate, PassesOnWhatAMeshGeneratorSays) {
+TEST_F(Validate, passes_on_what_a_mesh_generator_says) {
   EXPECT_EQ(errors({"parts.rod.mesh.size=2 m"}), Lines{"a.yaml:5:9: error: the cube is larger than 1 m"});
 }
 
-TEST_F(Validate, FindsContradictions) {
+TEST_F(Validate, finds_contradictions) {
   EXPECT_EQ(
       errors({"time.maximum_step=1 us", "time.minimum_step=2 us"}),
       Lines{"--set time.maximum_step=1 us: error: `maximum_step` = 1e-06 s is less than `minimum_step` = 2e-06 s; "
@@ -191,13 +191,13 @@ TEST_F(Validate, FindsContradictions) {
             Lines{"--set parts={}: error: there are no parts; expected at least one"});
 }
 
-TEST_F(Validate, FindsAPluginOfTheWrongClass) {
+TEST_F(Validate, finds_a_plugin_of_the_wrong_class) {
   EXPECT_EQ(errors({"boundaries=[{type: impostor}]"}),
             Lines{"--set boundaries=[{type: impostor}]: error: `boundaries` names a type that does not derive from "
                   "kerf::Boundary; its plugin registers it under the wrong kind"});
 }
 
-TEST_F(Validate, DoesNotTakeAnythingFromTextThatIsNotYaml) {
+TEST_F(Validate, does_not_take_anything_from_text_that_is_not_yaml) {
   Diagnostics diagnostics;
   OriginMap origins;
   EXPECT_THROW(read_model_input("a.yaml", "a: [1, 2", {}, registry, diagnostics, origins), InputError);

@@ -99,7 +99,8 @@ def overshoot(kerf, material, speed, limiter, cells=150):
 
 # What the limiter may add to the overshoot: nothing at strong shocks, where all of the linear term acts; a little where
 # a weak front has widened to many cells and looks smooth.
-@pytest.mark.parametrize("material, speed, added", [(COPPER, 3000.0, 1e-4), (COPPER, 100.0, 2e-3), (STEEL, 100.0, 5e-3)],
+@pytest.mark.parametrize("material, speed, added",
+                         [(COPPER, 3000.0, 1e-4), (COPPER, 100.0, 2e-3), (STEEL, 100.0, 5e-3)],
                          ids=["copper at 3 km/s", "copper at 100 m/s", "elastic steel at 100 m/s"])
 def test_the_limiter_lets_shocks_be_damped(kerf, material, speed, added):
     limited, everywhere = (overshoot(kerf, material, speed, limiter) for limiter in (True, False))

@@ -12,7 +12,8 @@ def crossed_bars(speed, end, edges, angle=90.0, frames=20):
     They meet between nodes of both, 0.6 and 0.35 mm from the middle of a cell's edge."""
     steel = {
         "density": 7800,
-        "strength": {"type": "elastic_plastic", "shear_modulus": "80 GPa", "yield_stress": "1 GPa", "hardening_modulus": 0},
+        "strength": {"type": "elastic_plastic", "shear_modulus": "80 GPa", "yield_stress": "1 GPa",
+                     "hardening_modulus": 0},
         "eos": {"type": "linear", "bulk_modulus": "160 GPa"},
     }
     width, length = 4 * CELL, 9 * CELL
@@ -25,7 +26,8 @@ def crossed_bars(speed, end, edges, angle=90.0, frames=20):
         if along == 0:
             steps.append({"angle": f"{90 - angle} deg", "axis": [0, 0, 1]})
         mesh = {"type": "block", "origin": [-s / 2 for s in size], "size": size, "cells": cells}
-        return {"material": "steel", "mesh": mesh, "placement": [*steps, {"translate": shift}], "velocity": [0, 0, velocity]}
+        return {"material": "steel", "mesh": mesh, "placement": [*steps, {"translate": shift}],
+                "velocity": [0, 0, velocity]}
 
     return {
         "title": "crossed bars", "time": {"end": end}, "materials": {"steel": steel},
@@ -57,8 +59,8 @@ def deepest(run):
     return max(depths) / CELL
 
 
-# A touch leaves no depth but what the rounds leave of the closing speed, some percent of a step's way of 0.02 cells. Where
-# the ridges are pressed down, the crossing passes on to other edges, and a step or two may be lost between them.
+# A touch leaves no depth but what the rounds leave of the closing speed, some percent of a step's way of 0.02 cells.
+# Where the ridges are pressed down, the crossing passes on to other edges, and a step or two may be lost between them.
 LIMIT = 0.04  # cells
 # Until the cells at the edges are crushed; 1000 m/s crush them within 1.5 us.
 SPEEDS = [(10, 27e-6), (100, 12e-6), (1000, 1e-6)]

@@ -1,4 +1,4 @@
-"""A model that is its own mirror image stays so to round-off: where facets are equally close, contact must not choose."""
+"""A model that is its own mirror image stays so to round-off: contact must not choose between equally close facets."""
 
 import copy
 

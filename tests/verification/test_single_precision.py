@@ -84,7 +84,7 @@ def test_a_body_at_rest_stays_at_rest(kerf):
 
 
 def test_a_slow_body_gains_no_energy(kerf):
-    # Round-off as a share of the modulus, not of the stress, would heat a body without load by some 1e-8 J/kg per cycle:
+    # Round-off as a share of the modulus, not of the stress, would heat a body without load by some 1e-8 J/kg a cycle:
     # ten times the energy of this one.
     run = kerf("taylor_bar/taylor_bar.yaml", "parts.bar.mesh.cell_size=0.8 mm", "boundaries=[]",
                "parts.bar.velocity=0.01 0.02 -0.005 m/s", "precision=single")
