@@ -1,6 +1,7 @@
 // The criteria of a part and their combination.
 #include "erosion/judge.hpp"
 
+#include <algorithm>
 #include <bit>
 
 #include "core/assert.hpp"
@@ -24,6 +25,8 @@ PartJudge::PartJudge(const PartModel& part) {
     }
     criteria_.push_back(std::move(c));
   }
+  for (const Criterion& c : criteria_) reads_.resize(std::max(reads_.size(), c.reads.size()));
+  wide_.resize(reads_.size() * lane_width);
   const auto n = static_cast<int>(criteria_.size());
   needed_ = erosion.rule == "any" ? 1 : erosion.rule == "all" ? n : static_cast<int>(erosion.count);
 }
@@ -39,8 +42,6 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
   alignas(64) double value[8][lane_width], failed[lane_width];
   unsigned masks[8] = {};
   bool looked[8] = {};
-  alignas(64) double wide[8][lane_width];
-  const double* reads[8];
   Field& states = store_->field(PartStore::erosion_state);
   for (std::size_t k = 0; k < criteria_.size(); ++k) {
     const Criterion& c = criteria_[k];
@@ -49,10 +50,10 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
     for (std::size_t r = 0; r < c.reads.size(); ++r) {
       const Field& f = store_->field(c.reads[r].first);
       const std::size_t first = f.index(block * lane_width, c.reads[r].second);
-      reads[r] = f.is_single ? wide[r] : f.data.data() + first;
-      for (int l = 0; f.is_single && l < lane_width; ++l) wide[r][l] = f.single_data[first + l];
+      reads_[r] = f.is_single ? &wide_[r * lane_width] : f.data.data() + first;
+      for (int l = 0; f.is_single && l < lane_width; ++l) wide_[r * lane_width + l] = f.single_data[first + l];
     }
-    rows.reads = reads;
+    rows.reads = reads_.data();
     rows.state = states.data.data() + states.index(block * lane_width, c.first_state);
     rows.value = value[k];
     rows.failed = failed;

@@ -35,6 +35,9 @@ class PartJudge final : public ErosionJudge {
   unsigned combine(PartStore& store, const unsigned* masks, const bool* looked, int block) const;
 
   std::vector<Criterion> criteria_;
+  // Rows of what a criterion reads, and of floats among them as doubles; for as many as the greediest criterion reads.
+  std::vector<const double*> reads_;
+  AlignedVector<double> wide_;
   int needed_ = 1;  // failing criteria that erode an element
   PartStore* store_ = nullptr;
   std::int64_t cycle_ = 0;

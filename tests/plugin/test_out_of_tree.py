@@ -225,3 +225,37 @@ def test_the_same_name_twice_names_both_origins(plugin, tmp_path):
     assert done.returncode == 2
     assert 'two plugins of kind material are called "swift"' in done.stderr
     assert "swift_material.cpp" in done.stderr and "twin.cpp" in done.stderr
+
+
+CRITERION = """
+#include <kerf/erosion.hpp>
+struct Faulty final : kerf::PointwiseErosion<Faulty> {{
+  {members}
+  static void describe(kerf::Schema<Faulty>& s) {{
+    describe_interval(s);
+    {declared}
+  }}
+  kerf::Verdict judge_point(const kerf::ErosionInputPoint&, const Reads&, State&) const {{ return {{0.0, 0.0}}; }}
+}};
+KERF_EROSION(Faulty, "faulty", "a criterion with a fault")
+"""
+STATE = "struct State {{ {0} }}; struct Reads {{}};"
+DECLARE = 's.state(&State::{0}, "{0}", "-", 0.0, "a variable");'
+
+
+@pytest.mark.parametrize("members, declared, said", [
+    (STATE.format("double a, b;"), DECLARE.format("a"), "takes 16 bytes, but describe() declares 1 doubles, 8 bytes"),
+    (STATE.format("double a, b;"), DECLARE.format("b") + DECLARE.format("a"),
+     "declares `b` in place 1, but it is double number 2 of its State"),
+    (STATE.format("float f; double a;"), DECLARE.format("a"), "declares `a` in place 1, but it is double number 2"),
+    (STATE.format("double a; float f;"), DECLARE.format("a"), "takes 16 bytes, but describe() declares 1 doubles"),
+    ("struct State {}; struct Reads { double p, q; };", 's.reads(&Reads::p, "pressure", "read");',
+     "its Reads takes 16"),
+], ids=["not_declared", "out_of_order", "float_first", "float_last", "reads"])
+def test_a_state_that_is_not_declared_as_it_is_is_refused(tmp_path, members, declared, said):
+    source = tmp_path / "faulty.cpp"
+    source.write_text(CRITERION.format(members=members, declared=declared))
+    library = compile_library(source, tmp_path / "faulty.so")
+    done = call(KERF, "list", "erosion", "--plugin", library)
+    assert done.returncode == 2
+    assert str(library) in done.stderr and "erosion faulty" in done.stderr and said in done.stderr

@@ -5,8 +5,11 @@
 #pragma once
 
 #include <memory>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "kerf/schema.hpp"
 
@@ -48,6 +51,49 @@ struct Made {
   void* parameters = nullptr;
 };
 
+struct Law;
+
+namespace detail {
+
+template <class T>
+concept HasState = requires {
+  typename T::State;
+};
+template <class T>
+concept HasReads = requires {
+  typename T::Reads;
+};
+template <class Class>
+constexpr bool is_of_base(std::vector<StateVariable> (Class::*)() const) {
+  return std::is_same_v<Class, Law>;
+}
+/// Whether a law overrides state_variables(): then its declaration need not be complete.
+template <class T>
+concept ListsItsState = requires {
+  requires !is_of_base(&T::state_variables);
+};
+
+/// Throws std::runtime_error unless describe() declares every member of `Members` (a law's State or Reads) once, in
+/// order: what is not declared gets no memory, and what is declared out of order would be swapped.
+template <class Members, class Declared>
+void expect_all_declared(const Description& d, const char* what, const std::vector<Declared>& declared) {
+  const std::string law = d.kind + " " + d.name + " (" + d.origin + "): ";
+  for (std::size_t i = 0; i < declared.size(); ++i)
+    if (declared[i].index != static_cast<int>(i))
+      throw std::runtime_error(law + "describe() declares `" + declared[i].name + "` in place " +
+                               std::to_string(i + 1) + ", but it is double number " +
+                               std::to_string(declared[i].index + 1) + " of its " + what +
+                               "; declare the members in their order, each once");
+  const std::size_t room = std::is_empty_v<Members> ? 0 : sizeof(Members);
+  if (declared.size() * sizeof(double) != room)
+    throw std::runtime_error(law + "its " + what + " takes " + std::to_string(room) +
+                             " bytes, but describe() declares " + std::to_string(declared.size()) + " doubles, " +
+                             std::to_string(declared.size() * sizeof(double)) +
+                             " bytes; make every member a double and declare it");
+}
+
+}  // namespace detail
+
 /// Receives registrations. Implemented by the engine's registry.
 class Registrar {
  public:
@@ -63,6 +109,9 @@ class Registrar {
     d.origin = origin;
     Schema<T> schema(d);
     T::describe(schema);
+    if constexpr (detail::HasState<T> && !detail::ListsItsState<T>)
+      detail::expect_all_declared<typename T::State>(d, "State", d.state);
+    if constexpr (detail::HasReads<T>) detail::expect_all_declared<typename T::Reads>(d, "Reads", d.reads);
     add(
         std::move(d), +[] {
           auto object = std::make_unique<T>();
