@@ -6,6 +6,8 @@
 // numerical integration of rate constitutive equations", IJNME 15 (1980) 1862-1867; J. von Neumann &
 // R.D. Richtmyer, J. Appl. Phys. 21 (1950) 232 and R. Landshoff, LA-1930 (1955) for the bulk viscosity;
 // D.P. Flanagan & T. Belytschko, J. Appl. Mech. 51 (1984) 35-40 for the eigenvalue bound of the time step.
+#include <algorithm>
+
 #include "hex8/control.hpp"
 
 namespace {
@@ -57,6 +59,8 @@ struct Hex8 final : Element {
     std::vector<StateVariable> all = description->state;
     for (int i = 0; i < 12; ++i)
       all.push_back({"hourglass_resistance_" + std::to_string(i + 1), "N", "generalised hourglass force", 0.0, 1 + i});
+    // In the order of the members, since the place in the list is the place in memory.
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
     return all;
   }
 

@@ -199,4 +199,15 @@ TEST(BulkViscosity, is_in_the_forces_but_not_in_the_pressure) {
   EXPECT_NEAR(p / (K * (1.0 / (1.0 - 1e-4) - 1.0)), 1.0, 1e-9);
 }
 
+// The kernel keeps its variables by their place. Names in another order would be written over other variables.
+TEST(ElementForces, names_of_the_state_stand_where_the_kernel_keeps_them) {
+  const auto variables = make_law<Element>("element", "hex8")->state_variables();
+  ASSERT_EQ(variables.size(), 16u);
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    EXPECT_EQ(variables[i].index, static_cast<int>(i)) << variables[i].name;
+  EXPECT_EQ(variables[1].name, "hourglass_resistance_1");
+  EXPECT_EQ(variables[13].name, "free_share");
+  EXPECT_EQ(variables[15].name, "shock_sensor");
+}
+
 }  // namespace
