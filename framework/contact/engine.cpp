@@ -1,33 +1,16 @@
-// Search, distribution and force exchange of one contact definition.
+// When a contact definition searches, and the exchange of its forces.
 #include "contact/engine.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <numeric>
 #include <utility>
 
-#include "core/assert.hpp"
 #include "kerf/shape.hpp"
-#include "model/copies.hpp"
 #include "model/reference_position.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
-
-namespace {
-
-constexpr double candidate_work =
-    0.3;  // cost of keeping one candidate until the next search, over the cost of searching for one slave
-constexpr double worst_share =
-    1.1;  // ranks keep their boxes of space while the busiest has at most this times the mean work
-constexpr std::int64_t renewals = 5;  // search intervals between two complete searches
-constexpr double spare_share =
-    0.05;  // distance that slaves may leave their rank's box before the next search, over its edge
-
-}  // namespace
 
 ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space)
     : law_(law),
@@ -95,162 +78,6 @@ void ContactEngine::renumbered(const Model& model) {
   }
 }
 
-/// Takes out facets on planes of symmetry: the body goes on behind them.
-void ContactEngine::drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const {
-  if (mirrored_.empty()) return;
-  std::erase_if(facets, [&](const ExteriorFacet& f) {
-    std::uint64_t all = ~std::uint64_t{0}, sets[4];
-    for (int k = 0; k < 4; ++k) {
-      all &= on_mirror_[f.nodes[k]];
-      sets[k] = model.nodes.sets[f.nodes[k]];
-    }
-    for (std::size_t b = 0; b < mirrored_.size() && all != 0; ++b)
-      if ((all >> b & 1u) != 0 && mirrored_[b].holds_facet(f.part, sets)) return true;
-    return false;
-  });
-}
-
-/// Local numbers, in ascending order, of all nodes of exterior facets, on whatever rank these are, and of free nodes
-/// that take part. Collective.
-std::vector<std::int32_t> ContactEngine::surface_nodes(const Model& model,
-                                                       const std::vector<ExteriorFacet>& facets) const {
-  const auto n = static_cast<std::size_t>(model.nodes.n());
-  std::vector<char> mark(n, 0);
-  for (const ExteriorFacet& f : facets)
-    for (const std::int32_t node : f.nodes) mark[node] = 1;
-  if (model.ghost_plan) {
-    std::vector<std::int64_t> count(mark.begin(), mark.end());
-    sum_over_copies(model, count.data(), 1);
-    for (std::size_t i = 0; i < n; ++i) mark[i] = count[i] != 0 ? 1 : 0;
-  }
-  std::vector<std::int32_t> nodes;
-  const auto take = [&](std::size_t i) {
-    if (mark[i] != 0 || takes_free(model, static_cast<int>(i))) nodes.push_back(static_cast<std::int32_t>(i));
-  };
-  // Most nodes are neither, which eight of them tell at once.
-  constexpr std::size_t some = sizeof(std::uint64_t);
-  std::size_t i = 0;
-  for (; i + some <= n; i += some) {
-    std::uint64_t marks, frees;
-    std::memcpy(&marks, &mark[i], some);
-    std::memcpy(&frees, &model.nodes.free[i], some);
-    if ((marks | frees) == 0) continue;
-    for (std::size_t k = i; k < i + some; ++k) take(k);
-  }
-  for (; i < n; ++i) take(i);
-  return nodes;
-}
-
-/// The record of a tracked node, if this rank owns it and it is a slave.
-void ContactEngine::add_slave(const Model& model, std::size_t tracked, std::vector<ContactNodeRecord>& records) const {
-  const NodeStore& nodes = model.nodes;
-  const Tracked& t = tracked_[tracked];
-  if (!nodes.owned[t.node]) return;
-  ContactNodeRecord r;
-  r.role = (slaves_.holds(nodes, t.node) ? 1u : 0u) | (request_.symmetric && masters_.holds(nodes, t.node) ? 2u : 0u);
-  if (r.role == 0) return;
-  r.id = nodes.id[t.node];
-  r.box = t.box;
-  r.own_box = own_boxes_[tracked];
-  r.home = home_[tracked];
-  r.local = t.node;
-  r.part = t.part;
-  r.owner = model.rank();
-  records.push_back(r);
-}
-
-/// Fills the record of a facet whose corners are tracked. False where it has no role in this contact.
-bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& r) const {
-  const NodeStore& nodes = model.nodes;
-  const PartModel& part = model.parts[f.part];
-  std::uint64_t sets[4];
-  const Shape& shape = part.store->shape();
-  for (int k = 0; k < 8; ++k) {
-    const int behind = shape.behind[f.face][k % 4];
-    r.locals[k] = k < 4 || behind < 0 ? f.nodes[k % 4] : part.store->node(f.slot, behind);
-    r.nodes[k] = nodes.id[r.locals[k]];
-    r.owners[k] = model.node_owner[r.locals[k]];
-    if (k < 4) sets[k] = nodes.sets[r.locals[k]];
-  }
-  const bool master = masters_.holds_facet(f.part, sets), slave = slaves_.holds_facet(f.part, sets);
-  r.role = (master ? 1u : 0u) | (slave && request_.symmetric ? 2u : 0u);
-  if (r.role == 0 && slave) r.role = ContactFacetRecord::meets_none;
-  if (r.role == 0) return false;
-  r.id = part.store->id(f.slot) * Shape::code_of_faces + f.face;
-  r.part = f.part;
-  r.bulk_modulus = part.bulk_modulus;
-  r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
-  Vec3 x[4], undeformed[4];
-  for (int k = 0; k < 4; ++k) {
-    KERF_ASSERT(track_of_[r.locals[k]] >= 0, "the corners of a facet that takes part are tracked");
-    const std::int32_t tracked = track_of_[r.locals[k]];
-    x[k] = predicted_x(model, r.locals[k]);
-    undeformed[k] = undeformed_[tracked];
-    r.box.include(tracked_[tracked].box);
-    r.own_box.include(own_boxes_[tracked]);
-  }
-  const double area = 0.5 * norm(cross(x[2] - x[0], x[3] - x[1]));
-  // Facets may shrink, which makes elements thicker.
-  FacetBounds bounds;
-  for (int k = 0; k < 4; ++k) r.edge = std::max(r.edge, norm(undeformed[(k + 1) % 4] - undeformed[k]));
-  bounds.edge = r.edge;
-  bounds.longest_edge = longest_edge(r.locals);
-  bounds.thickness = std::max(bounds.longest_edge, r.volume / std::max(area, 1e-300));
-  const double reach = law_.reach(bounds);
-  r.box.inflate(reach);
-  r.own_box.inflate(reach);
-  return true;
-}
-
-std::vector<ContactFacetRecord> ContactEngine::collect_facets(const Model& model,
-                                                              const std::vector<ExteriorFacet>& facets) const {
-  std::vector<ContactFacetRecord> records;
-  records.reserve(facets.size());
-  for (const ExteriorFacet& f : facets) {
-    records.emplace_back();
-    if (!collect_facet(model, f, records.back())) records.pop_back();
-  }
-  return records;
-}
-
-/// Sends every slave to the rank whose box holds it and every facet to all ranks that it may reach.
-void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord>& slaves,
-                               std::vector<ContactFacetRecord>& facets) {
-  // A slave costs some work at a search, and some for each of its candidates until the next.
-  std::vector<double> weights;
-  weights.reserve(slaves.size());
-  for (const ContactNodeRecord& s : slaves)
-    weights.push_back(1.0 +
-                      (n_candidates_.empty() ? 0.0 : candidate_work * static_cast<double>(n_candidates_[s.local])));
-  if (!space_built_ || uneven(model, slaves, weights)) {
-    std::vector<double> coordinates;
-    for (const ContactNodeRecord& s : slaves)
-      for (int d = 0; d < 3; ++d) coordinates.push_back(s.home[d]);
-    space_->build(model.comm, coordinates, weights);
-    space_built_ = true;
-  }
-  // Leaves some for slaves that join before the next search, and for the way that all make until then, as far as that
-  // does not send many facets to ranks that do not need them.
-  const double reach = reach_of(model, slaves);
-  const double way = 2.0 * static_cast<double>(renewals - 1) * reach;
-  slave_reach_ =
-      1.5 * reach + std::min(way, spare_share * extent_of(model, slaves) / kerf::pow(model.n_ranks(), 1.0 / 3.0));
-  send(model, slaves, facets);
-}
-
-/// Whether the present boxes of space share out the work badly. Collective.
-bool ContactEngine::uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
-                           const std::vector<double>& weights) const {
-  std::vector<double> work(static_cast<std::size_t>(model.n_ranks()), 0.0);
-  for (std::size_t k = 0; k < slaves.size(); ++k) work[space_->owner(slaves[k].home)] += weights[k];
-  // From rank 0, because all must decide alike.
-  std::vector<double> sums(work.size());
-  MPI_Reduce(work.data(), sums.data(), model.n_ranks(), MPI_DOUBLE, MPI_SUM, 0, model.comm);
-  MPI_Bcast(sums.data(), model.n_ranks(), MPI_DOUBLE, 0, model.comm);
-  const double total = std::accumulate(sums.begin(), sums.end(), 0.0);
-  return *std::max_element(sums.begin(), sums.end()) * model.n_ranks() > worst_share * total;
-}
-
 /// Tells owners how many candidates their slaves have. Collective.
 void ContactEngine::count_candidates(const Model& model) {
   std::vector<std::int64_t> counts(found_->node_id.size(), 0);
@@ -258,55 +85,6 @@ void ContactEngine::count_candidates(const Model& model) {
     counts[found_->slave[k]] = found_->candidates[k].end - found_->candidates[k].begin;
   n_candidates_.assign(static_cast<std::size_t>(model.nodes.n()), 0);
   plan_->push_add(counts.data(), 1, n_candidates_.data(), 1, 1);
-}
-
-/// Longest edge of the box round the homes of all slaves. Collective.
-double ContactEngine::extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
-  double longest = 0.0;
-  for (int d = 0; d < 3; ++d) {
-    double low = beyond, high = -beyond;
-    for (const ContactNodeRecord& s : slaves) {
-      low = std::min(low, s.home[d]);
-      high = std::max(high, s.home[d]);
-    }
-    longest = std::max(longest, greatest(model.comm, high) + greatest(model.comm, -low));
-  }
-  return longest;
-}
-
-/// How far slaves reach out of the place that decides about their rank. Collective.
-double ContactEngine::reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
-  double reach = 0.0;
-  for (const ContactNodeRecord& s : slaves)
-    for (const auto& [box, frame] : {std::pair(&s.box, &common_frame_), std::pair(&s.own_box, &part_frames_[s.part])}) {
-      const Vec3 home = s.home - frame->origin;
-      for (int d = 0; d < 3; ++d) reach = std::max({reach, box->high[d] - home[d], home[d] - box->low[d]});
-    }
-  return greatest(model.comm, std::min(reach, beyond));
-}
-
-/// Replaces the records that this rank made by those that concern its box of space.
-void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& slaves,
-                         std::vector<ContactFacetRecord>& facets) {
-  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
-  std::vector<std::vector<ContactNodeRecord>> nodes_out(n_ranks);
-  for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(s.home)].push_back(s);
-  std::vector<std::vector<ContactFacetRecord>> facets_out(n_ranks);
-  std::vector<int> ranks;
-  for (const ContactFacetRecord& f : facets) {
-    Vec3 low, high;
-    for (int d = 0; d < 3; ++d) {
-      const double common = common_frame_.origin[d], own = part_frames_[f.part].origin[d];
-      low[d] = std::min(common + f.box.low[d], own + f.own_box.low[d]) - slave_reach_;
-      high[d] = std::max(common + f.box.high[d], own + f.own_box.high[d]) + slave_reach_;
-    }
-    space_->owners(low, high, ranks);
-    for (const int r : ranks) facets_out[r].push_back(f);
-  }
-  slaves.clear();
-  facets.clear();
-  for (const auto& list : all_to_all(model.comm, nodes_out)) slaves.insert(slaves.end(), list.begin(), list.end());
-  for (const auto& list : all_to_all(model.comm, facets_out)) facets.insert(facets.end(), list.begin(), list.end());
 }
 
 /// Asks for the candidates, and makes room for their nodes and, if there are new ones anywhere, a way to their owners.

@@ -126,6 +126,7 @@ class ContactEngine {
   void push(Model& model);
   ContactView view() const;
 
+  static constexpr std::int64_t renewals = 5;  // search intervals between two complete searches
   static constexpr double beyond = 1e15;  // what no length of a sound model reaches [m]
 
   const Contact& law_;
