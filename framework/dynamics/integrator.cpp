@@ -59,18 +59,11 @@ void Integrator::advance_guarded(Model& model, const Step& step, const std::vect
   };
   std::vector<Hit> hits;
   const auto& constrained = constraints_.constrained();
-  advance_nodes(
-      nodes, model.quanta.force.quantum, step.kick_dt(), step.dt,
-      [&](int i, Quad before, Quad after, Quad from, Quad to) {
-        if (constraints_.near(i) == 0) return;
-        for (std::size_t b = 0; b < planes.size(); ++b) {
-          const Vec3 n = planes[b].normal;
-          if ((constraints_.near(i) >> b & 1u) == 0 || !(n.x * to[0] + n.y * to[1] + n.z * to[2] < planes[b].offset))
-            continue;
-          hits.push_back({i, vector_of(before), vector_of(after), vector_of(from)});
-          return;
-        }
-      });
+  advance_nodes(nodes, model.quanta.force.quantum, step.kick_dt(), step.dt,
+                [&](int i, Quad before, Quad after, Quad from, Quad to) {
+                  if (constraints_.near(i) == 0 || !constraints_.ends_in_region(i, planes, vector_of(to))) return;
+                  hits.push_back({i, vector_of(before), vector_of(after), vector_of(from)});
+                });
   std::size_t next = 0;  // constrained nodes are computed before the pass, with all their conditions
   for (const Hit& h : hits) {
     while (next < constrained.size() && constrained[next].node < h.node) ++next;

@@ -91,10 +91,4 @@ Vec3 Constraints::constrain(const Model& model, int i, std::uint64_t always, con
   return velocity;
 }
 
-bool Constraints::ends_in_region(int node, const std::vector<HalfSpace>& planes, Vec3 to) const {
-  for (std::size_t b = 0; b < planes.size(); ++b)
-    if ((near_[node] >> b & 1u) != 0 && dot(planes[b].normal, to) < planes[b].offset) return true;
-  return false;
-}
-
 }  // namespace kerf

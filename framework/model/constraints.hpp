@@ -32,7 +32,11 @@ class Constraints {
   /// Conditions of a node that are asked only if its free flight ends in their region. Pre: the model has conditions.
   std::uint64_t near(int node) const { return near_[node]; }
   /// Whether a flight of a node that ends at `to` asks a condition of the second kind.
-  bool ends_in_region(int node, const std::vector<HalfSpace>& planes, Vec3 to) const;
+  bool ends_in_region(int node, const std::vector<HalfSpace>& planes, Vec3 to) const {
+    for (std::size_t b = 0; b < planes.size(); ++b)
+      if ((near_[node] >> b & 1u) != 0 && dot(planes[b].normal, to) < planes[b].offset) return true;
+    return false;
+  }
   /// The region of every condition at the end of a step.
   static std::vector<HalfSpace> regions(const Model& model, const Step& step);
   /// The velocity that the conditions leave of a free flight from the node's present position [m/s]. Conditions with a

@@ -1,3 +1,4 @@
+// Exchange of nodal sums between ranks.
 #include "model/copies.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Asks the mesh of the part and its placement.
 #include "model/reference_position.hpp"
 
 #include "core/assert.hpp"

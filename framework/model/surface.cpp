@@ -19,13 +19,6 @@ std::array<std::int32_t, 4> face_nodes(const PartStore& store, int slot, int fac
           store.node(slot, corner[3])};
 }
 
-/// Sorted nodes of a face, the same from either side: a triangle repeats its greatest node, whichever corner is last.
-template <class Id>
-void sort_face(std::array<Id, 4>& n, int n_corners) {
-  std::sort(n.begin(), n.begin() + n_corners);
-  if (n_corners == 3) n[3] = n[2];
-}
-
 ExteriorFacet facet(const SurfaceMesh& mesh, std::int32_t part, std::int32_t slot, std::int32_t face) {
   return {part, slot, face, face_nodes(*mesh.parts[part].store, slot, face)};
 }
@@ -61,9 +54,7 @@ void Surface::match_local(const SurfaceMesh& mesh, std::vector<std::int64_t>& op
       for (int s = 0; s < store.n_slots(); ++s) {
         if (!store.live(s)) continue;
         for (int f = 0; f < store.shape().n_faces; ++f) {
-          auto n = face_nodes(store, s, f);
-          sort_face(n, store.shape().n_corners(f));
-          visit(n, offset_[p] + s, f);
+          visit(face_key(face_nodes(store, s, f)), offset_[p] + s, f);
         }
       }
     }
@@ -111,7 +102,7 @@ void Surface::match_remote(const SurfaceMesh& mesh, const std::vector<std::int64
       f.nodes[k] = mesh.nodes.id[n[k]];
     }
     if (!all) continue;
-    sort_face(f.nodes, store.shape().n_corners(face));
+    f.nodes = face_key(f.nodes);
     f.element = store.id(slot);
     faces.push_back(f);
     where.push_back(code);

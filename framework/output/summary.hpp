@@ -80,7 +80,6 @@ struct Summary {
   std::map<std::string, double> measures;  // NaN where there is nothing to measure
   std::map<std::string, std::string> not_measured;  // why
   std::vector<std::string> warnings;  // of the check before the first step, then of the whole run
-  std::size_t first_end_warning = 0;  // number of the first warning of the whole run
   std::map<std::string, Timer> timers;
   std::vector<Rebalance> rebalances;
 };

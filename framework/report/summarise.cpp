@@ -255,7 +255,6 @@ Summary Reporter::summarise(const std::string& exit) {
     }
   }
   s.warnings = simulation_.warnings();
-  s.first_end_warning = s.warnings.size();
   warn_of_hourglass_share(s);
   warn_of_gains(s);
   warn_of_nodes_let_go(s);
@@ -337,7 +336,9 @@ std::string Reporter::table_of(const Summary& s) const {
   for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
   fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
   fmt::format_to(out, "  {:<16}{:>15.2f} %\n", "hourglass share", 100.0 * s.hourglass.share());
-  for (std::size_t k = s.first_end_warning; k < s.warnings.size(); ++k) fmt::format_to(out, "{}\n", s.warnings[k]);
+  // The simulation's own warnings have been printed already.
+  for (std::size_t k = simulation_.warnings().size(); k < s.warnings.size(); ++k)
+    fmt::format_to(out, "{}\n", s.warnings[k]);
   fmt::format_to(out, "\n{:<16}{:>10}{:>10}{:>14}{:>14}\n", "part", "elements", "alive", "mass [kg]", "speed [m/s]");
   for (const auto& [name, p] : s.parts)
     fmt::format_to(out, "{:<16}{:>10}{:>10}{:>14.6g}{:>14}\n", name, p.elements, p.alive, p.mass,

@@ -53,11 +53,10 @@ inline HexMesh distorted_element(double size, double distortion, unsigned seed) 
 
 /// Volume of an element from its surface alone: a third of the integral of x . n over the six bilinear faces.
 inline double volume_by_divergence(const HexMesh& mesh, const std::array<std::int32_t, 8>& element) {
-  constexpr int face[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
   const double g = 1.0 / std::sqrt(3.0);  // two points integrate the products of bilinear functions exactly
   const Vec3 origin = mesh.x[element[0]];
   double sum = 0.0;
-  for (const auto& f : face)
+  for (const auto& f : hexahedron.face)
     for (const double a : {-g, g})
       for (const double b : {-g, g}) {
         Vec3 x, along_a, along_b;

@@ -19,10 +19,10 @@ struct ContactRow {
 
 /// The contact surface as one rank sees it. Lists of facets belonging to a node are sorted by facet id, so that
 /// whatever a plugin sums or chooses along them is the same on any number of ranks; the order of nodes and facets
-/// themselves means nothing, ties are broken by id. The lists may hold
-/// facets beyond their reach, and nodes and facets that no row uses. Which ones depends on the search and on the ranks,
-/// so a law must give the same result with and without them. Positions and velocities have four
-/// entries per node, on boundaries of 32 bytes; the fourth one of a position says which axes boundary conditions hold.
+/// themselves means nothing, ties are broken by id. The lists may hold facets beyond their reach, and nodes and facets
+/// that no row uses. Which ones depends on the search and on the ranks, so a law must give the same result with and
+/// without them. Positions and velocities have four entries per node, on boundaries of 32 bytes; the fourth one of a
+/// position says which axes boundary conditions hold.
 ///
 /// Positions and velocities are predicted: the velocity that a node will have in the coming step if contact does
 /// nothing, and where the node will then be at the end of that step. A law thus sees a touch before it happens.

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace kerf {
 
@@ -21,13 +23,29 @@ struct Shape {
   int opposite_face[most_faces] = {};  // -1 where no face lies opposite
   int edge[most_edges][2] = {};
   int vtk_type = 0;  // number of the cell type in VTK's files
-
-  /// Corners of a face: 3 or 4.
-  constexpr int n_corners(int f) const { return face[f][3] == face[f][2] ? 3 : 4; }
 };
 
 /// Nodes of one element, by global id or local number; entries beyond the shape's number of nodes mean nothing.
 using ElementNodeIds = std::array<std::int64_t, Shape::most_nodes>;
+
+/// Nodes of a face in ascending order, the same from either side: a triangle repeats its greatest node, whichever
+/// corner its shape repeats. So does a face that is collapsed to a triangle or to a line.
+template <class Id>
+constexpr std::array<Id, 4> face_key(std::array<Id, 4> n) {
+  const auto order = [&n](std::size_t i, std::size_t j) {
+    if (n[j] < n[i]) std::swap(n[i], n[j]);
+  };
+  order(0, 1);
+  order(2, 3);
+  order(0, 2);
+  order(1, 3);
+  order(1, 2);
+  std::size_t n_distinct = 1;
+  for (std::size_t k = 1; k < 4; ++k)
+    if (n[k] != n[n_distinct - 1]) n[n_distinct++] = n[k];
+  for (std::size_t k = n_distinct; k < 4; ++k) n[k] = n[n_distinct - 1];
+  return n;
+}
 
 /// The face of a shape whose corners are the given ones in any order, or -1.
 constexpr int face_with(const Shape& shape, const int (&corners)[4]) {

@@ -21,14 +21,6 @@ Facet face_of(const MeasureModel::Element& e, int face) {
   return f;
 }
 
-/// Sorted nodes of a face, the same from either side: a triangle repeats its greatest node.
-Facet key_of(Facet f) {
-  std::sort(f.begin(), f.end());
-  const auto end = std::unique(f.begin(), f.end());
-  std::fill(end, f.end(), *(end - 1));
-  return f;
-}
-
 /// Disjoint sets; the root of each is its smallest member.
 class Groups {
  public:
@@ -61,7 +53,7 @@ std::vector<FaceEntry> sorted_faces(const MeasureModel& model, const std::vector
   faces.reserve(6 * elements.size());
   for (const std::int32_t e : elements) {
     const MeasureModel::Element& element = model.elements[static_cast<std::size_t>(e)];
-    for (int f = 0; f < element.shape->n_faces; ++f) faces.push_back({key_of(face_of(element, f)), e, f});
+    for (int f = 0; f < element.shape->n_faces; ++f) faces.push_back({face_key(face_of(element, f)), e, f});
   }
   std::sort(faces.begin(), faces.end());
   return faces;
@@ -317,7 +309,7 @@ BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 direction,
         if (!std::all_of(facet.begin(), facet.end(),
                          [&](auto n) { return in_plane[static_cast<std::size_t>(n)] != 0; }))
           continue;
-        if (is_line(key_of(facet))) continue;
+        if (is_line(face_key(facet))) continue;
         for (std::int32_t& n : facet) n = vertices.of(n);
         surface.facets.push_back(facet);
       }
