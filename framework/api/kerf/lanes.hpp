@@ -344,6 +344,7 @@ template <class Real>
     detail::row_at(p, g) = __builtin_convertvector(detail::group(v, g), detail::Quad);
 }
 /// Adds to a row of doubles, in double precision.
+[[gnu::always_inline]] inline void add_lanes(double* p, Lanes v) { store_lanes(p, load_lanes(p) + v); }
 [[gnu::always_inline]] inline void add_lanes(double* p, SingleLanes v) {
   for (int g = 0; g < detail::n_groups; ++g)
     detail::row_at(p, g) += __builtin_convertvector(detail::group(v, g), detail::Quad);

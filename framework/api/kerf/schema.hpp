@@ -302,6 +302,15 @@ class Schema {
   void state(double State::*member, std::string name, std::string unit, double initial, std::string doc) {
     d_.state.push_back({std::move(name), std::move(unit), std::move(doc), initial, index_of(member)});
   }
+  /// An array in the law's `State`: variables name_1, name_2 and so on.
+  template <class State, std::size_t n>
+  void state(double (State::*member)[n], const std::string& name, const std::string& unit, double initial,
+             const std::string& doc) {
+    const State probe{};
+    const int first = static_cast<int>(&(probe.*member)[0] - reinterpret_cast<const double*>(&probe));
+    for (std::size_t i = 0; i < n; ++i)
+      d_.state.push_back({name + "_" + std::to_string(i + 1), unit, doc, initial, first + static_cast<int>(i)});
+  }
   /// A double in the law's `Reads` that is filled from another law's state variable of that name.
   template <class Reads>
   void reads(double Reads::*member, std::string name, std::string doc) {

@@ -2,15 +2,16 @@
 // longer than all the rest of the plugin.
 #pragma once
 
-#include <kerf/element.hpp>
+#include <kerf/solid_element.hpp>
 
 namespace kerf::hex8 {
 
-/// What the user chooses; see hex8.cpp.
+using State = SolidState<12>;
+
+/// What the user chooses; see hex8.cpp. Hourglass control by stiffness is what asks for the elastic share.
 struct Control {
-  bool free_element = false, stiffness = false;  // stable step of a free element; hourglass control by stiffness
-  bool limited_viscosity = false;  // linear viscosity at shocks only
-  double hourglass_coefficient = 0.0, linear_viscosity = 0.0, quadratic_viscosity = 0.0;
+  SolidControl solid;
+  double hourglass_coefficient = 0.0;
 };
 
 /// As Element::initialise and Element::add_internal_forces.
