@@ -25,6 +25,9 @@ ElementArrays<Real> view_of(Model& model, PartModel& part) {
   w.scale = model.quanta.force;
   w.material = part.material->strength.get();
   w.eos = part.material->eos.get();
+  w.solid = part.material->solid.get();
+  w.of_material = part.material_reads.access(store);
+  if (w.eos) w.of_eos = part.eos_reads.access(store);
   w.reference_density = part.material->density;
   w.n_blocks = store.n_blocks();
   w.nodes = store.nodes();
@@ -37,6 +40,11 @@ ElementArrays<Real> view_of(Model& model, PartModel& part) {
   w.element_state = store.field(PartStore::element_state).entries<Real>();
   w.material_state = store.field(PartStore::material_state).entries<double>();
   w.eos_state = store.field(PartStore::eos_state).entries<double>();
+  const auto optional = [&store](PartStore::FieldIndex f) {
+    return store.field(f).n_components > 0 ? store.field(f).entries<double>() : nullptr;
+  };
+  w.place = optional(PartStore::place);
+  w.softening = optional(PartStore::softening);
   w.n_element_state = store.field(PartStore::element_state).n_components;
   w.n_material_state = store.field(PartStore::material_state).n_components;
   w.n_eos_state = store.field(PartStore::eos_state).n_components;
@@ -112,6 +120,30 @@ void collect(const Model& model, const PartModel& part, const ElementArrays<Real
   }
 }
 
+/// What a law has thrown stops the run, with the name of the law and of the element.
+void note(const Model& model, const PartModel& part, const LawError& e, ElementReport& report) {
+  const PartStore& store = *part.store;
+  std::int64_t id = -1;
+  for (int l = 0; l < lane_width; ++l) {
+    const int slot = e.block * lane_width + l;
+    if (slot >= store.n_slots() || !store.live(slot) || (e.lane >= 0 && l != e.lane)) continue;
+    if (id < 0 || store.id(slot) < id) id = store.id(slot);
+  }
+  report.trouble_id = id;
+  report.trouble = fmt::format("{} {} ({}) has thrown an exception for {}: {};", e.law->description->kind, e.law->type,
+                               e.law->description->origin, element_name(model, store.index(), id), e.what());
+}
+
+/// Calls `work`, and takes note of what a law throws.
+template <class Work>
+void guarded(const Model& model, const PartModel& part, ElementReport& report, const Work& work) {
+  try {
+    work();
+  } catch (const LawError& e) {
+    if (report.trouble.empty()) note(model, part, e, report);
+  }
+}
+
 void initialise(const Element& element, ElementWork& w) { element.initialise(w); }
 void initialise(const Element& element, SingleElementWork& w) { element.initialise_single(w); }
 void add_forces(const Element& element, ElementWork& w) { element.add_internal_forces(w); }
@@ -139,7 +171,7 @@ ElementReport initialise_elements(Model& model) {
   for (PartModel& part : model.parts) {
     with_view(model, part, [&](auto& w) {
       w.exposed_faces = exposed_faces[static_cast<std::size_t>(part.store->index())].data();
-      initialise(*part.input->element, w);
+      guarded(model, part, report, [&] { initialise(*part.input->element, w); });
       collect(model, part, w, report);
     });
   }
@@ -152,9 +184,10 @@ ElementReport add_internal_forces(Model& model, const Step& step, Erosion& erosi
   for (PartModel& part : model.parts) {
     with_view(model, part, [&](auto& w) {
       w.dt = step.dt;
+      w.time = step.end();
       w.judge = erosion.judge(model, part.store->index(), step.cycle);
       w.failed = erosion.flags(part.store->index());
-      add_forces(*part.input->element, w);
+      guarded(model, part, report, [&] { add_forces(*part.input->element, w); });
       ledger.accounts.hourglass += w.hourglass_energy;
       collect(model, part, w, report);
     });

@@ -8,25 +8,44 @@
 
 namespace kerf {
 
+namespace {
+
+// Components of the erosion state before those of the criteria; the last three only where elements fade out.
+enum : int { verdicts_component, fade_cycles, fade_criterion, fade_value };
+
+/// Rotates the tensors of a criterion's state with the material.
+void rotate_tensors(const std::span<const int> tensors, const double (*rotation)[lane_width], double* state) {
+  for (const int first : tensors)
+    for (int l = 0; l < lane_width; ++l) {
+      double* t = state + first * lane_width + l;
+      const SymTensor turned = rotate(
+          SymTensor{t[0], t[lane_width], t[2 * lane_width], t[3 * lane_width], t[4 * lane_width], t[5 * lane_width]},
+          detail::rotation_at(rotation, l));
+      const double c[6] = {turned.xx, turned.yy, turned.zz, turned.xy, turned.yz, turned.zx};
+      for (int i = 0; i < 6; ++i) t[i * lane_width] = c[i];
+    }
+}
+
+}  // namespace
+
 PartJudge::PartJudge(const PartModel& part) {
   const ErosionInput& erosion = *part.material->erosion;
-  int next = 1;  // the first variable holds the verdicts
+  fade_out_ = static_cast<int>(erosion.fade_out);
+  softens_ = fade_out_ > 0;
+  int next = part.first_criterion_state;
   for (const auto& law : erosion.criteria) {
     Criterion c;
     c.law = law.get();
     c.first_state = next;
     const auto n_state = static_cast<int>(law->state_variables().size());
     c.keeps_state = n_state > 0;
+    c.softens = law->softens();
+    c.reads = LawReads(*law, *part.store);
     next += n_state;
-    for (const ReadVariable& r : law->description->reads) {
-      const auto where = part.store->find_variable(r.name);
-      KERF_ASSERT(where.first != PartStore::n_fields, "variables that criteria read are checked with the input");
-      c.reads.push_back(where);
-    }
+    asked_ |= law->asked_inputs();
+    softens_ = softens_ || c.softens;
     criteria_.push_back(std::move(c));
   }
-  for (const Criterion& c : criteria_) reads_.resize(std::max(reads_.size(), c.reads.size()));
-  wide_.resize(reads_.size() * lane_width);
   const auto n = static_cast<int>(criteria_.size());
   needed_ = erosion.rule == "any" ? 1 : erosion.rule == "all" ? n : static_cast<int>(erosion.count);
 }
@@ -36,64 +55,119 @@ void PartJudge::begin(PartStore& store, std::int64_t cycle) {
   cycle_ = cycle;
   failures.clear();
   flags.assign(static_cast<std::size_t>(store.n_blocks()), 0);
+  for (Criterion& c : criteria_) c.access = c.reads.access(store);
 }
 
 unsigned PartJudge::judge(ErosionBatch& rows, int block) {
-  alignas(64) double value[8][lane_width], failed[lane_width];
-  unsigned masks[8] = {};
-  bool looked[8] = {};
-  Field& states = store_->field(PartStore::erosion_state);
-  for (std::size_t k = 0; k < criteria_.size(); ++k) {
-    const Criterion& c = criteria_[k];
-    looked[k] = cycle_ % c.law->check_interval == 0;
-    if (!looked[k] && !c.keeps_state) continue;
-    for (std::size_t r = 0; r < c.reads.size(); ++r) {
-      const Field& f = store_->field(c.reads[r].first);
-      const std::size_t first = f.index(block * lane_width, c.reads[r].second);
-      reads_[r] = f.is_single ? &wide_[r * lane_width] : f.data.data() + first;
-      for (int l = 0; f.is_single && l < lane_width; ++l) wide_[r * lane_width + l] = f.single_data[first + l];
-    }
-    rows.reads = reads_.data();
-    rows.state = states.data.data() + states.index(block * lane_width, c.first_state);
-    rows.value = value[k];
-    rows.failed = failed;
-    c.law->judge(rows);
-    if (!looked[k]) continue;
-    for (int l = 0; l < lane_width; ++l) masks[k] |= (failed[l] != 0.0 ? 1u : 0u) << l;
+  Verdicts v;
+  if (softens_) {
+    std::fill_n(v.strength, lane_width, 1.0);
+    std::fill_n(v.tension, lane_width, 1.0);
   }
-  unsigned dead = combine(*store_, masks, looked, block);
+  for (std::size_t k = 0; k < criteria_.size(); ++k) ask(k, rows, block, v);
+  unsigned dead = combine(v, block);
+  if (fade_out_ > 0) dead = fade_out(dead, v, block);
+  if (softens_) soften(v, block);
   if (dead == 0) return 0;
   for (int l = 0; l < lane_width; ++l) {
     const int slot = block * lane_width + l;
-    if ((dead >> l & 1u) == 0) continue;
-    if (slot >= store_->n_slots() || !store_->live(slot)) {
-      dead &= ~(1u << l);
-      continue;
-    }
-    int first = 0;
-    while (first + 1 < static_cast<int>(criteria_.size()) && (masks[first] >> l & 1u) == 0) ++first;
-    failures.push_back({slot, first, value[first][l]});
+    if (slot >= store_->n_slots() || !store_->live(slot)) dead &= ~(1u << l);
+  }
+  record(dead, v, block);
+  return dead;
+}
+
+/// A criterion that keeps state or softens is asked every cycle, and heard in the cycles of its interval.
+void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
+  const Criterion& c = criteria_[k];
+  v.looked[k] = cycle_ % c.law->check_interval == 0;
+  if (!v.looked[k] && !c.keeps_state && !c.softens) return;
+  Field& states = store_->field(PartStore::erosion_state);
+  alignas(64) double strength[lane_width], tension[lane_width];
+  rows.reads = read_rows(c.access, block);
+  rows.state = states.data.data() + states.index(block * lane_width, c.first_state);
+  rows.value = v.value[k];
+  rows.failed = v.failed;
+  rows.strength = strength;
+  rows.tension = tension;
+  rotate_tensors(c.access.tensors, rows.rotation, rows.state);
+  detail::in_block(*c.law, block, [&] { c.law->judge(rows); });
+  for (int l = 0; c.softens && l < lane_width; ++l) {
+    v.strength[l] *= clamp_to(strength[l], 0.0, 1.0);
+    v.tension[l] *= clamp_to(tension[l], 0.0, 1.0);
+  }
+  for (int l = 0; v.looked[k] && l < lane_width; ++l) v.masks[k] |= (v.failed[l] != 0.0 ? 1u : 0u) << l;
+}
+
+/// With rule "any", failing now is enough. Otherwise a criterion's last verdict stands until its next look.
+unsigned PartJudge::combine(const Verdicts& v, int block) const {
+  unsigned dead = 0;
+  if (needed_ == 1) {
+    for (std::size_t k = 0; k < criteria_.size(); ++k) dead |= v.masks[k];
+    return dead;
+  }
+  Field& states = store_->field(PartStore::erosion_state);
+  for (int l = 0; l < lane_width; ++l) {
+    const int slot = block * lane_width + l;
+    auto verdicts = static_cast<unsigned>(states.at(slot, verdicts_component));
+    for (std::size_t k = 0; k < criteria_.size(); ++k)
+      if (v.looked[k]) verdicts = (verdicts & ~(1u << k)) | (v.masks[k] >> l & 1u) << k;
+    states.set(slot, verdicts_component, verdicts);
+    if (std::popcount(verdicts) >= needed_) dead |= 1u << l;
   }
   return dead;
 }
 
-/// With rule "any", failing now is enough. Otherwise a criterion's last verdict stands until its next look.
-unsigned PartJudge::combine(PartStore& store, const unsigned* masks, const bool* looked, int block) const {
-  unsigned dead = 0;
-  if (needed_ == 1) {
-    for (std::size_t k = 0; k < criteria_.size(); ++k) dead |= masks[k];
-    return dead;
-  }
-  Field& states = store.field(PartStore::erosion_state);
+int PartJudge::first_failing(const Verdicts& v, int lane) const {
+  int first = 0;
+  while (first + 1 < static_cast<int>(criteria_.size()) && (v.masks[first] >> lane & 1u) == 0) ++first;
+  return first;
+}
+
+/// Elements that have failed lose their stress in equal steps. Those that have lost it are dead; the criterion and the
+/// value that they failed with are remembered.
+unsigned PartJudge::fade_out(unsigned dead, Verdicts& v, int block) {
+  Field& states = store_->field(PartStore::erosion_state);
+  unsigned gone = 0;
   for (int l = 0; l < lane_width; ++l) {
     const int slot = block * lane_width + l;
-    auto verdicts = static_cast<unsigned>(states.at(slot, 0));
-    for (std::size_t k = 0; k < criteria_.size(); ++k)
-      if (looked[k]) verdicts = (verdicts & ~(1u << k)) | (masks[k] >> l & 1u) << k;
-    states.set(slot, 0, verdicts);
-    if (std::popcount(verdicts) >= needed_) dead |= 1u << l;
+    double cycles = states.at(slot, fade_cycles);
+    if (cycles == 0.0) {
+      if ((dead >> l & 1u) == 0) continue;
+      const int first = first_failing(v, l);
+      states.set(slot, fade_criterion, first);
+      states.set(slot, fade_value, v.value[first][l]);
+    }
+    cycles += 1.0;
+    states.set(slot, fade_cycles, cycles);
+    if (cycles > fade_out_) gone |= 1u << l;
+    const double left = std::max(1.0 - cycles / fade_out_, 0.0);
+    v.strength[l] *= left;
+    v.tension[l] *= left;
   }
-  return dead;
+  return gone;
+}
+
+/// What the next step will see.
+void PartJudge::soften(const Verdicts& v, int block) const {
+  Field& field = store_->field(PartStore::softening);
+  double* next = field.data.data() + field.index(block * lane_width, 0);
+  std::copy_n(v.strength, lane_width, next);
+  std::copy_n(v.tension, lane_width, next + lane_width);
+}
+
+void PartJudge::record(unsigned dead, const Verdicts& v, int block) {
+  const Field& states = store_->field(PartStore::erosion_state);
+  for (int l = 0; l < lane_width; ++l) {
+    if ((dead >> l & 1u) == 0) continue;
+    const int slot = block * lane_width + l;
+    if (fade_out_ > 0) {
+      failures.push_back({slot, static_cast<int>(states.at(slot, fade_criterion)), states.at(slot, fade_value)});
+      continue;
+    }
+    const int first = first_failing(v, l);
+    failures.push_back({slot, first, v.value[first][l]});
+  }
 }
 
 }  // namespace kerf

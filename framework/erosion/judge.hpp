@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "kerf/element.hpp"
@@ -17,6 +16,7 @@ class PartJudge final : public ErosionJudge {
   explicit PartJudge(const PartModel& part);
   void begin(PartStore& store, std::int64_t cycle);
   unsigned judge(ErosionBatch& rows, int block) override;
+  unsigned asked_inputs() const override { return asked_; }
 
   struct Failure {
     int slot = 0, criterion = 0;
@@ -29,16 +29,29 @@ class PartJudge final : public ErosionJudge {
   struct Criterion {
     const ErosionCriterion* law = nullptr;
     int first_state = 0;
-    bool keeps_state = false;
-    std::vector<std::pair<PartStore::FieldIndex, int>> reads;
+    bool keeps_state = false, softens = false;
+    LawReads reads;
+    LawAccess access;  // in this cycle
   };
-  unsigned combine(PartStore& store, const unsigned* masks, const bool* looked, int block) const;
+  /// Verdicts of all criteria on one block.
+  struct Verdicts {
+    alignas(64) double value[8][lane_width], failed[lane_width];
+    alignas(64) double strength[lane_width], tension[lane_width];  // products over the criteria
+    unsigned masks[8] = {};
+    bool looked[8] = {};
+  };
+  void ask(std::size_t criterion, ErosionBatch& rows, int block, Verdicts& verdicts);
+  unsigned combine(const Verdicts& verdicts, int block) const;
+  int first_failing(const Verdicts& verdicts, int lane) const;
+  unsigned fade_out(unsigned dead, Verdicts& verdicts, int block);
+  void soften(const Verdicts& verdicts, int block) const;
+  void record(unsigned dead, const Verdicts& verdicts, int block);
 
   std::vector<Criterion> criteria_;
-  // Rows of what a criterion reads, and of floats among them as doubles; for as many as the greediest criterion reads.
-  std::vector<const double*> reads_;
-  AlignedVector<double> wide_;
+  unsigned asked_ = 0;
+  bool softens_ = false;  // a criterion does, or elements fade out
   int needed_ = 1;  // failing criteria that erode an element
+  int fade_out_ = 0;  // cycles
   PartStore* store_ = nullptr;
   std::int64_t cycle_ = 0;
 };

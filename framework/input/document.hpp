@@ -51,6 +51,8 @@ class OriginMap {
   void add(const std::string& path, const Origin& origin, std::string text = {});
   /// Origin of the path or, where it was not written, of the innermost enclosing block that was.
   Origin find(std::string path) const;
+  /// Whether the path itself was written.
+  bool has(const std::string& path) const { return written_.contains(path); }
   /// Origin of the scalar `text` inside the block that starts at `block` (Plugin::origin), else `block` itself.
   std::string find_text(const std::string& block, const std::string& text) const;
 

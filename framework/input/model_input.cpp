@@ -28,6 +28,9 @@ void ErosionInput::describe(Schema<ErosionInput>& s) {
            "how many criteria must fail an element before it is eroded")
       .by_default("any");
   s.integer(&ErosionInput::count, "count", positive, "number of criteria for the rule at_least").by_default("1");
+  s.integer(&ErosionInput::fade_out, "fade_out", between(0.0, 1e6),
+            "cycles in which the stress of an element that has failed falls to nothing before the element is deleted")
+      .by_default("0");
   s.plugin_list(&ErosionInput::criteria, "criteria", "erosion", "criteria that judge the elements of this material");
   s.rule("criteria", "a material takes one to eight erosion criteria, or no block `erosion` at all",
          [](const ErosionInput& e) { return !e.criteria.empty() && e.criteria.size() <= 8; });
@@ -38,9 +41,28 @@ void ErosionInput::describe(Schema<ErosionInput>& s) {
 
 void MaterialInput::describe(Schema<MaterialInput>& s) {
   s.real(&MaterialInput::density, "density", "kg/m3", positive, "density of the undeformed material");
-  s.plugin(&MaterialInput::strength, "strength", "material", "law of the stress deviator");
-  s.plugin(&MaterialInput::eos, "eos", "eos", "equation of state, the law of the pressure");
+  s.plugin(&MaterialInput::strength, "strength", "material", "law of the stress deviator; needs an eos").optional();
+  s.plugin(&MaterialInput::eos, "eos", "eos", "equation of state, the law of the pressure; needs a strength").optional();
+  s.plugin(&MaterialInput::solid, "solid", "solid", "law of the whole stress, in place of strength and eos").optional();
   s.optional_block(&MaterialInput::erosion, "erosion", "when elements of this material are deleted");
+}
+
+std::vector<const Law*> MaterialInput::laws() const {
+  std::vector<const Law*> all;
+  for (const Law* law : std::initializer_list<const Law*>{strength.get(), eos.get(), solid.get()})
+    if (law) all.push_back(law);
+  if (erosion)
+    for (const auto& criterion : erosion->criteria)
+      if (criterion) all.push_back(criterion.get());
+  return all;
+}
+
+void InitialStateInput::describe(Schema<InitialStateInput>& s) {
+  s.texts(&InitialStateInput::elements, "elements",
+          "parts, or sets that hold all nodes of an element; all elements where absent")
+      .optional();
+  s.text(&InitialStateInput::variable, "variable", "a state variable of the elements' laws, or specific_energy");
+  s.text(&InitialStateInput::value, "value", "its value before the first step, with a unit");
 }
 
 void PlacementInput::describe(Schema<PlacementInput>& s) {
@@ -149,6 +171,8 @@ void ModelInput::describe(Schema<ModelInput>& s) {
   s.block_map(&ModelInput::materials, "materials", "materials by name");
   s.block_map(&ModelInput::parts, "parts", "bodies by name");
   s.block_map(&ModelInput::sets, "sets", "named sets of nodes, facets and elements").optional();
+  s.block_list(&ModelInput::initial_states, "initial_state", "values of state variables before the first step")
+      .optional();
   s.plugin_list(&ModelInput::boundaries, "boundaries", "boundary", "boundary conditions").optional();
   s.plugin_list(&ModelInput::contacts, "contacts", "contact", "contact definitions").optional();
   s.plugin_map(&ModelInput::measures, "measures", "measure", "numbers that go to summary.json, by name").optional();

@@ -17,6 +17,7 @@
 #include "kerf/mesh.hpp"
 #include "kerf/partitioner.hpp"
 #include "kerf/schema.hpp"
+#include "kerf/solid.hpp"
 
 namespace kerf {
 
@@ -30,7 +31,7 @@ struct TimeInput {
 
 struct ErosionInput {
   std::string rule;
-  std::int64_t count = 1;
+  std::int64_t count = 1, fade_out = 0;
   std::vector<std::unique_ptr<ErosionCriterion>> criteria;
   static void describe(Schema<ErosionInput>& s);
 };
@@ -38,10 +39,23 @@ struct ErosionInput {
 struct MaterialInput {
   std::string name;
   double density = 0.0;
-  std::unique_ptr<Material> strength;
+  std::unique_ptr<Material> strength;  // this and an EOS, or a solid
   std::unique_ptr<Eos> eos;
+  std::unique_ptr<Solid> solid;
   std::unique_ptr<ErosionInput> erosion;
   static void describe(Schema<MaterialInput>& s);
+
+  /// The law of the deviator or of the whole stress. Pre: the input is valid.
+  const Law& stress_law() const { return solid ? static_cast<const Law&>(*solid) : *strength; }
+  /// All laws that there are, in the order in which they act in a step.
+  std::vector<const Law*> laws() const;
+};
+
+/// Values of a state variable, or of the specific internal energy, before the first step.
+struct InitialStateInput {
+  std::vector<std::string> elements;  // parts, or sets that hold all nodes of an element; empty for all
+  std::string variable, value;
+  static void describe(Schema<InitialStateInput>& s);
 };
 
 /// One step of placing a part: a rotation about an axis through a point, then a translation.
@@ -100,6 +114,7 @@ struct ModelInput {
   std::vector<std::unique_ptr<MaterialInput>> materials;
   std::vector<std::unique_ptr<PartInput>> parts;
   std::vector<std::unique_ptr<SetInput>> sets;
+  std::vector<std::unique_ptr<InitialStateInput>> initial_states;
   std::vector<std::unique_ptr<Boundary>> boundaries;
   std::vector<std::unique_ptr<Contact>> contacts;
   std::vector<std::unique_ptr<Measure>> measures;

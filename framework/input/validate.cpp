@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/units.hpp"
 #include "input/node_choice.hpp"
 #include "input/parameter_text.hpp"
 #include "input/placement.hpp"
@@ -38,11 +39,15 @@ class Validator {
     // A plugin registered under a kind whose class it does not derive from leaves its slot empty.
     if (!diagnostics_.has_errors()) check_all_there();
     check_time_and_checks();
-    for (const auto& material : model_.materials) check_reads(*material);
+    for (const auto& material : model_.materials) {
+      check_laws(*material);
+      check_reads(*material);
+    }
     check_parts();
     prepare_meshes();
     for (const auto& set : model_.sets) check_set(*set);
     check_references();
+    for (std::size_t i = 0; i < model_.initial_states.size(); ++i) check_initial_state(i);
     check_fields();
   }
 
@@ -60,8 +65,10 @@ class Validator {
 
   void check_all_there() {
     for (const auto& m : model_.materials) {
-      require(m->strength.get(), "materials." + m->name + ".strength", "Material");
-      require(m->eos.get(), "materials." + m->name + ".eos", "Eos");
+      const std::string path = "materials." + m->name;
+      if (origins_.has(path + ".strength")) require(m->strength.get(), path + ".strength", "Material");
+      if (origins_.has(path + ".eos")) require(m->eos.get(), path + ".eos", "Eos");
+      if (origins_.has(path + ".solid")) require(m->solid.get(), path + ".solid", "Solid");
       if (m->erosion) require_all(m->erosion->criteria, "materials." + m->name + ".erosion", "ErosionCriterion");
     }
     for (const auto& p : model_.parts) {
@@ -186,27 +193,92 @@ class Validator {
   }
   static Names variables_of(const MaterialInput& material) {
     Names names;
-    add_variables(names, material.strength.get());
-    add_variables(names, material.eos.get());
-    if (material.erosion)
-      for (const auto& criterion : material.erosion->criteria) add_variables(names, criterion.get());
+    for (const Law* law : material.laws()) add_variables(names, law);
     return names;
+  }
+
+  /// The stress comes from a strength and an EOS, or from a solid.
+  void check_laws(const MaterialInput& material) {
+    const std::string path = "materials." + material.name;
+    const bool strength = origins_.has(path + ".strength"), eos = origins_.has(path + ".eos"),
+               solid = origins_.has(path + ".solid");
+    if (solid && (strength || eos))
+      diagnostics_.error(origins_.find(path + ".solid"),
+                         fmt::format("material `{}` has a solid, which is the law of the whole stress, and a {} too; "
+                                     "expected either solid, or strength and eos",
+                                     material.name, strength ? "strength" : "eos"));
+    else if (!solid && !(strength && eos))
+      diagnostics_.error(
+          origins_.find(path),
+          fmt::format("material `{}` has no {}; expected the keys strength and eos, or the key solid", material.name,
+                      strength ? "eos" : eos ? "strength" : "law of the stress"));
+  }
+  /// Whether all laws that were written could be read.
+  bool is_complete(const MaterialInput& material) const {
+    return material.solid ? !material.strength && !material.eos : material.strength && material.eos;
+  }
+
+  /// How many laws of a material declare a variable.
+  static std::size_t n_declaring(const MaterialInput& material, const std::string& name) {
+    std::size_t n = 0;
+    for (const Law* law : material.laws())
+      for (const StateVariable& v : law->state_variables()) n += v.name == name ? 1 : 0;
+    return n;
   }
 
   void check_reads(const MaterialInput& material) {
     // A law that could not be read would be missed as the one that declares the variable.
-    if (!material.erosion || !material.strength || !material.eos) return;
+    if (!is_complete(material)) return;
     const Names available = variables_of(material);
-    for (const auto& criterion : material.erosion->criteria) {
-      if (!criterion || !criterion->description) continue;
-      for (const ReadVariable& read : criterion->description->reads)
-        if (!contains(available, read.name))
+    for (const Law* law : material.laws())
+      for (const ReadVariable& read : law->reads()) {
+        const std::size_t n = n_declaring(material, read.name);
+        const std::string what = fmt::format("{} reads the state variable \"{}\" ({}), which ", law->type, read.name,
+                                             read.doc);
+        if (n == 0 && !read.is_optional && !is_element_variable(read))
           diagnostics_.error(
-              criterion->origin,
-              fmt::format("{} reads the state variable \"{}\" ({}), which no law of material `{}` declares{}",
-                          criterion->type, read.name, read.doc, material.name,
+              law->origin,
+              fmt::format("{}no law of material `{}` declares{}", what, material.name,
                           available.empty() ? "; its laws declare none" : "; its laws declare " + listed(available)));
+        if (n > 1)
+          diagnostics_.error(law->origin, fmt::format("{}{} laws of material `{}` declare; expected one", what, n,
+                                                      material.name));
+      }
+  }
+  /// What every element keeps may be read under a name that the user gives.
+  static bool is_element_variable(const ReadVariable& read) {
+    return read.name_of && (read.name == "pressure" || read.name == "volume" || read.name == "mass" ||
+                            read.name == "internal_energy" || read.name == "viscous_energy");
+  }
+
+  void check_initial_state(std::size_t i) {
+    const InitialStateInput& initial = *model_.initial_states[i];
+    const std::string path = fmt::format("initial_state[{}]", i);
+    Names both = parts_;
+    both.insert(both.end(), sets_.begin(), sets_.end());
+    for (std::size_t k = 0; k < initial.elements.size(); ++k)
+      if (!contains(both, initial.elements[k]))
+        diagnostics_.error(origins_.find(fmt::format("{}.elements[{}]", path, k)),
+                           fmt::format("there is no part or set \"{}\"{}", initial.elements[k],
+                                       suggestion(initial.elements[k], both, "the parts and sets")));
+    std::string unit = initial.variable == "specific_energy" ? "J/kg" : "";
+    Names known = {"specific_energy"};
+    bool complete = true;
+    for (const auto& material : model_.materials) {
+      complete = complete && is_complete(*material);
+      for (const Law* law : material->laws())
+        for (const StateVariable& v : law->state_variables()) {
+          if (!contains(known, v.name)) known.push_back(v.name);
+          if (v.name == initial.variable) unit = v.unit;
+        }
     }
+    if (unit.empty() && complete)
+      diagnostics_.error(origins_.find(path + ".variable"),
+                         fmt::format("no law of a material declares the state variable \"{}\"{}", initial.variable,
+                                     suggestion(initial.variable, known, "the variables")));
+    if (unit.empty()) return;
+    const Quantity q = to_si(initial.value, unit);
+    if (!q.ok()) diagnostics_.error(origins_.find(path + ".value"), fmt::format("`value`: {}", q.error));
   }
 
   void check_fields() {
@@ -215,7 +287,7 @@ class Validator {
                             "internal_energy", "von_mises", "effective_plastic_strain"};
     bool complete = true;
     for (const auto& material : model_.materials) {
-      complete = complete && material->strength && material->eos;
+      complete = complete && is_complete(*material);
       for (const std::string& name : variables_of(*material)) element_fields.push_back(name);
     }
     for (const auto& part : model_.parts) {

@@ -9,6 +9,7 @@
 
 #include "input/model_input.hpp"
 #include "input/placement.hpp"
+#include "model/law_reads.hpp"
 #include "model/node_store.hpp"
 #include "model/part_store.hpp"
 #include "model/surface.hpp"
@@ -25,11 +26,14 @@ struct PartModel {
   double bulk_modulus = 0.0;  // of the undeformed material [Pa]
   double shear_modulus = 0.0;  // [Pa]
   double initial_pressure = 0.0;  // [Pa]
+  double hot_stiffness = 0.0;  // greatest modulus or pressure with the initial energies of the input [Pa]
   double initial_mass = 0.0;  // [kg]
   double initial_energy = 0.0;  // internal energy per mass at the start, which the store does not contain [J/kg]
+  int first_criterion_state = 0;  // component of the erosion state where the first criterion's begins
   double work = 1.0;  // work of one element and cycle, for the work model
   std::unique_ptr<Placement> placement;
   std::unique_ptr<PartStore> store;
+  LawReads material_reads, eos_reads;  // of the strength or solid, and of the EOS
 };
 
 /// Forces of one step and sums over the run, in whole quanta; see design, section 5.

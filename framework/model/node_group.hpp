@@ -17,6 +17,13 @@ class NodeGroup {
     return all_ || (parts_ >> part & 1u) != 0 || (sets_ & sets) != 0;
   }
   bool holds(const NodeStore& nodes, int i) const { return holds(nodes.part[i], nodes.sets[i]); }
+  /// Whether an element belongs to the group: its part does, or all its nodes are in one of the sets.
+  bool holds_element(const NodeStore& nodes, const PartStore& store, int slot) const {
+    if (all_ || (parts_ >> store.index() & 1u) != 0) return true;
+    std::uint64_t common = sets_;
+    for (int k = 0; k < store.n_nodes(); ++k) common &= nodes.sets[store.node(slot, k)];
+    return common != 0;
+  }
   /// Whether a facet belongs to the group: its part does, or all four nodes are in one of the sets.
   bool holds_facet(std::int32_t part, const std::uint64_t (&node_sets)[4]) const {
     return all_ || (parts_ >> part & 1u) != 0 ||

@@ -17,13 +17,15 @@ StateVariable core(const char* name, const char* unit, double initial = 0.0) {
 
 }  // namespace
 
-PartStore::PartStore(int index, const Element& element, const Material& material, const Eos& eos,
-                     const std::vector<StateVariable>& erosion_variables, Precision precision)
+PartStore::PartStore(int index, const Element& element, Variables variables, Precision precision)
     : shape_(&element.shape()), n_nodes_(shape_->n_nodes), index_(index), precision_(precision), fields_(n_fields) {
-  const auto declare = [&](FieldIndex f, const char* name, std::vector<StateVariable> variables) {
+  const auto declare = [&](FieldIndex f, const char* name, std::vector<StateVariable> components) {
     fields_[f].name = name;
-    fields_[f].n_components = static_cast<int>(variables.size());
-    fields_[f].components = std::move(variables);
+    fields_[f].n_components = static_cast<int>(components.size());
+    fields_[f].components = std::move(components);
+  };
+  const auto where = [](bool wanted, std::vector<StateVariable> components) {
+    return wanted ? std::move(components) : std::vector<StateVariable>{};
   };
   declare(mass, "mass", {core("mass", "kg")});
   declare(volume, "volume", {core("volume", "m3")});
@@ -34,9 +36,15 @@ PartStore::PartStore(int index, const Element& element, const Material& material
   declare(internal_energy, "internal_energy", {core("internal_energy", "J")});
   declare(viscous_energy, "viscous_energy", {core("viscous_energy", "J")});
   declare(element_state, "element_state", element.state_variables());
-  declare(material_state, "material_state", material.state_variables());
-  declare(eos_state, "eos_state", eos.state_variables());
-  declare(erosion_state, "erosion_state", erosion_variables);
+  declare(material_state, "material_state", std::move(variables.material));
+  declare(eos_state, "eos_state", std::move(variables.eos));
+  declare(erosion_state, "erosion_state", std::move(variables.erosion));
+  declare(place, "place",
+          where(variables.place, {core("reference_x", "m"), core("reference_y", "m"), core("reference_z", "m"),
+                                  core("initial_length", "m", 1.0)}));
+  declare(softening, "softening",
+          where(variables.softening, {core("next_strength_factor", "-", 1.0), core("next_tension_factor", "-", 1.0),
+                                      core("strength_factor", "-", 1.0), core("tension_factor", "-", 1.0)}));
   // Those of ElementArrays<Real> whose type is Real.
   for (const FieldIndex f : {deviator, pressure, element_state})
     fields_[f].is_single = precision == Precision::single_precision;
@@ -52,6 +60,12 @@ void PartStore::initial_record(double element_mass, double* record) const {
   *record++ = element_mass;
   for (std::size_t f = 1; f < fields_.size(); ++f)
     for (const StateVariable& v : fields_[f].components) *record++ = v.initial;
+}
+
+int PartStore::offset(FieldIndex f) const {
+  int first = 0;
+  for (int k = 0; k < f; ++k) first += fields_[static_cast<std::size_t>(k)].n_components;
+  return first;
 }
 
 void PartStore::resize(int n_slots) {

@@ -77,11 +77,19 @@ class PartStore {
     material_state,
     eos_state,
     erosion_state,
+    place,  // centre and cube root of volume before the first step, where a law asks for them
+    softening,  // factors of the stress, where a criterion softens: see ElementArrays
     n_fields
   };
 
-  PartStore(int index, const Element& element, const Material& material, const Eos& eos,
-            const std::vector<StateVariable>& erosion_variables, Precision precision = Precision::double_precision);
+  /// What the laws of a part keep.
+  struct Variables {
+    std::vector<StateVariable> material, eos, erosion;  // the first also of a solid
+    bool place = false, softening = false;
+  };
+
+  PartStore(int index, const Element& element, Variables variables,
+            Precision precision = Precision::double_precision);
 
   int index() const { return index_; }
   const Shape& shape() const { return *shape_; }
@@ -110,6 +118,8 @@ class PartStore {
   void put(int slot, std::int64_t id, const std::int32_t* nodes, const double* record);
   /// Fills the record of a fresh element of the given mass [kg].
   void initial_record(double element_mass, double* record) const;
+  /// Where a field begins in a record.
+  int offset(FieldIndex f) const;
   /// Turns a slot into an empty one. Pre: live(slot).
   void retire(int slot, std::int32_t first_dummy);
   /// Makes empty slots refer to the dummy nodes, whose cube has the given volume [m3].

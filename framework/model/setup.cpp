@@ -13,6 +13,7 @@
 #include "input/node_choice.hpp"
 #include "mesh/quality.hpp"
 #include "model/copies.hpp"
+#include "model/initial_state.hpp"
 #include "model/migrator.hpp"
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
@@ -20,43 +21,6 @@
 namespace kerf {
 
 namespace {
-
-/// Bulk and shear modulus and pressure of the undeformed material, asked of its laws.
-void ask_moduli(PartModel& part) {
-  const MaterialInput& m = *part.material;
-  double zero[6][lane_width] = {}, stress[6][lane_width] = {}, density[lane_width], none[lane_width] = {};
-  double shear[lane_width], pressure[lane_width], bulk[lane_width];
-  std::fill(density, density + lane_width, m.density);
-  const auto initial_state = [](const Law& law) {
-    std::vector<double> state;
-    for (const StateVariable& v : law.state_variables()) state.insert(state.end(), lane_width, v.initial);
-    state.resize(state.size() + lane_width);
-    return state;
-  };
-  std::vector<double> material_state = initial_state(*m.strength), eos_state = initial_state(*m.eos);
-  MaterialBatch b;
-  b.reference_density = m.density;
-  b.strain_increment = zero;
-  b.density = density;
-  b.specific_energy = none;
-  b.pressure = none;
-  b.deviator = stress;
-  b.state = material_state.data();
-  b.shear_modulus = shear;
-  m.strength->update(b);
-  EosBatch e;
-  e.reference_density = m.density;
-  e.density = density;
-  e.specific_energy = none;
-  e.state = eos_state.data();
-  e.pressure = pressure;
-  e.bulk_modulus = bulk;
-  m.eos->evaluate(e);
-  part.shear_modulus = shear[0];
-  part.bulk_modulus = bulk[0];
-  part.initial_pressure = pressure[0];
-  part.initial_energy = m.eos->initial_energy_density() / m.density;
-}
 
 class SetMarker {
  public:
@@ -137,8 +101,14 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
     facts.sizes[p] = {std::min(facts.sizes[p][0], edge), std::max(facts.sizes[p][1], edge)};
     out.ids.push_back(part.first_element + e);
     out.nodes.push_back(ids);
-    part.store->initial_record(part.material->density * volume,
-                               out.records.data() + static_cast<std::size_t>(e - first) * size);
+    double* record = out.records.data() + static_cast<std::size_t>(e - first) * size;
+    part.store->initial_record(part.material->density * volume, record);
+    InitialPoint point;
+    for (int k = 0; k < part.store->n_nodes(); ++k) point.position = point.position + x[k];
+    point.position = point.position * (1.0 / part.store->n_nodes());
+    point.length = std::cbrt(volume);
+    point.density = part.material->density;
+    initialise_laws(part, point, record);
   }
 }
 
@@ -232,7 +202,7 @@ void set_force_quantum(Model& model) {
   double stiffest = 0.0;
   for (const PartModel& part : model.parts)
     stiffest = std::max({stiffest, part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus, std::fabs(part.initial_pressure),
-                         part.material->density * closing * closing});
+                         part.hot_stiffness, part.material->density * closing * closing});
   // 64 times the stiffest modulus on the largest face is the largest force that fits (design, section 5).
   model.quanta.force.quantum = power_of_two_above(64.0 * stiffest * longest * longest) / ForceScale::limit;
   model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
@@ -240,18 +210,35 @@ void set_force_quantum(Model& model) {
 
 }  // namespace
 
-std::vector<StateVariable> erosion_variables(const MaterialInput& material) {
-  std::vector<StateVariable> all;
+namespace {
+
+/// What the laws of a material keep; `first` is set to where the state of the first criterion begins.
+PartStore::Variables variables_of(const MaterialInput& material, int& first) {
+  PartStore::Variables all;
+  all.material = material.stress_law().state_variables();
+  if (material.eos) all.eos = material.eos->state_variables();
+  all.place = asks_for(material, with_initial_length | with_reference_position);
   if (!material.erosion) return all;
-  // The first variable remembers which criteria failed at their last look, as a whole number of bits.
-  StateVariable verdicts;
-  verdicts.name = "erosion_verdicts";
-  verdicts.unit = "-";
-  all.push_back(verdicts);
-  for (const auto& c : material.erosion->criteria)
-    for (const StateVariable& v : c->state_variables()) all.push_back(v);
+  const ErosionInput& erosion = *material.erosion;
+  const auto keep = [&all](const char* name) {
+    StateVariable v;
+    v.name = name;
+    v.unit = "-";
+    all.erosion.push_back(v);
+  };
+  keep("erosion_verdicts");  // which criteria failed at their last look, as a whole number of bits
+  if (erosion.fade_out > 0)
+    for (const char* name : {"fade_out_cycles", "fade_out_criterion", "fade_out_value"}) keep(name);
+  first = static_cast<int>(all.erosion.size());
+  all.softening = erosion.fade_out > 0;
+  for (const auto& c : erosion.criteria) {
+    all.softening = all.softening || c->softens();
+    for (const StateVariable& v : c->state_variables()) all.erosion.push_back(v);
+  }
   return all;
 }
+
+}  // namespace
 
 void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
   model.set_comm(comm);
@@ -271,13 +258,15 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
     part.n_nodes = p->mesh->n_nodes();
     model.n_elements += part.n_elements;
     model.n_nodes += part.n_nodes;
-    ask_moduli(part);
+    ask_moduli(part, input);
     // Measured shares of an element's work that the laws have: see doc/developers/performance.md.
     part.work =
-        p->element->cost() * (0.8 + 0.2 * part.material->strength->cost() + (part.material->erosion ? 0.1 : 0.0));
-    part.store =
-        std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, *part.material->strength,
-                                    *part.material->eos, erosion_variables(*part.material), precision);
+        p->element->cost() * (0.8 + 0.2 * part.material->stress_law().cost() + (part.material->erosion ? 0.1 : 0.0));
+    PartStore::Variables variables = variables_of(*part.material, part.first_criterion_state);
+    part.store = std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, std::move(variables),
+                                             precision);
+    part.material_reads = LawReads(part.material->stress_law(), *part.store);
+    if (part.material->eos) part.eos_reads = LawReads(*part.material->eos, *part.store);
     model.parts.push_back(std::move(part));
   }
 }
@@ -305,6 +294,7 @@ void generate_mesh(Model& model) {
   for (const auto& boundary : model.input->boundaries) boundary->prepare(model.scale);
   assemble(model, std::move(bundle));
   lump_masses(model);
+  apply_initial_states(model);
   set_force_quantum(model);
 }
 

@@ -12,7 +12,4 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input);
 /// Generates this rank's contiguous share of the elements and assembles it. Collective.
 void generate_mesh(Model& model);
 
-/// Erosion criteria's variables of a material, in memory order; see PartJudge.
-std::vector<StateVariable> erosion_variables(const MaterialInput& material);
-
 }  // namespace kerf

@@ -52,10 +52,8 @@ struct JohnsonCook final : Material {
     s.state(&State::plastic_strain_rate, "plastic_strain_rate", "1/s", 0.0, "equivalent plastic strain rate");
   }
 
-  std::vector<StateVariable> state_variables() const override {
-    std::vector<StateVariable> all = description->state;
-    all[1].initial = initial_temperature > 0.0 ? initial_temperature : reference_temperature;
-    return all;
+  void initialise(const InitialPoint&, double* state) const override {
+    state[temperature_row] = initial_temperature > 0.0 ? initial_temperature : reference_temperature;
   }
   double cost() const override { return 5.0; }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kerf/element.hpp"
+#include "model/law_reads.hpp"
 #include "model/part_store.hpp"
 #include "support/make_law.hpp"
 
@@ -96,7 +97,7 @@ class PartOf {
         element_(make_law<Element>("element", "hex8", laws.element)),
         strength_(make_law<Material>("material", laws.strength, laws.strength_parameters)),
         eos_(make_law<Eos>("eos", laws.eos, laws.eos_parameters)),
-        store_(0, *element_, *strength_, *eos_, {},
+        store_(0, *element_, {strength_->state_variables(), eos_->state_variables(), {}, false, false},
                is_single ? Precision::single_precision : Precision::double_precision),
         density_(laws.density) {
     std::vector<double> record(static_cast<std::size_t>(store_.record_size()));
@@ -200,6 +201,8 @@ class PartOf {
     work.dt = dt;
     work.material = strength_.get();
     work.eos = eos_.get();
+    work.of_material = material_reads_.access(store_);
+    work.of_eos = eos_reads_.access(store_);
     work.reference_density = density_;
     work.n_blocks = store_.n_blocks();
     work.nodes = store_.nodes();
@@ -227,6 +230,7 @@ class PartOf {
   std::unique_ptr<Material> strength_;
   std::unique_ptr<Eos> eos_;
   PartStore store_;
+  LawReads material_reads_{*strength_, store_}, eos_reads_{*eos_, store_};
   double density_;
   AlignedVector<double> position_, velocity_;
   AlignedVector<std::int64_t> force_;

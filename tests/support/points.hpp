@@ -18,7 +18,10 @@ class MaterialPoint {
  public:
   explicit MaterialPoint(std::shared_ptr<const Material> law, double density = 7800.0)
       : law_(std::move(law)), density_(density), variables_(law_->state_variables()) {
-    for (const StateVariable& v : variables_) state_.insert(state_.end(), lane_width, v.initial);
+    std::vector<double> one;
+    for (const StateVariable& v : variables_) one.push_back(v.initial);
+    law_->initialise({{}, 1.0, density}, one.data());
+    for (const double value : one) state_.insert(state_.end(), lane_width, value);
     state_.resize(state_.size() + lane_width);  // never empty
   }
 

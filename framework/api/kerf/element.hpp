@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <type_traits>
 
@@ -10,6 +11,7 @@
 #include "kerf/law.hpp"
 #include "kerf/material.hpp"
 #include "kerf/shape.hpp"
+#include "kerf/solid.hpp"
 
 namespace kerf {
 
@@ -20,7 +22,38 @@ class ErosionJudge {
   /// Judges one block; `rows` are filled by the element as in ErosionBatch, reads and states by the engine.
   /// Returns a bit mask of failed lanes; `block` is the block's number within the part.
   virtual unsigned judge(ErosionBatch& rows, int block) = 0;
+  /// What the criteria have asked for together, of `Inputs`.
+  virtual unsigned asked_inputs() const = 0;
 };
+
+/// Where a law finds a variable that it reads: component `component` of a blocked array of doubles or floats, or a
+/// constant where no law of the part declares the variable.
+struct ReadSource {
+  const double* data = nullptr;  // [block][component][lane]
+  const float* single_data = nullptr;
+  int n_components = 0, component = 0;
+  double value = 0.0;  // where both arrays are null
+};
+
+/// What a law reads, and which of its variables the element has to rotate.
+struct LawAccess {
+  std::span<const ReadSource> reads;
+  std::span<const int> tensors;  // first components of tensors in the law's state
+  const double** rows = nullptr;  // scratch: one per variable that is read
+  double* wide = nullptr;  // scratch: `lane_width` per variable
+};
+
+/// Rows of one block of what a law reads, for LawRows::reads; valid until the next call.
+inline const double* const* read_rows(const LawAccess& a, int block) {
+  for (std::size_t r = 0; r < a.reads.size(); ++r) {
+    const ReadSource& s = a.reads[r];
+    const std::int64_t first = (static_cast<std::int64_t>(block) * s.n_components + s.component) * lane_width;
+    double* wide = a.wide + r * lane_width;
+    a.rows[r] = s.data ? s.data + first : wide;
+    for (int l = 0; !s.data && l < lane_width; ++l) wide[l] = s.single_data ? s.single_data[first + l] : s.value;
+  }
+  return a.rows;
+}
 
 /// Forces of lower magnitude than `limit` quanta are exact to half a quantum; beyond it, the run stops.
 struct ForceScale {
@@ -42,10 +75,13 @@ struct ElementArrays {
   std::int64_t* force = nullptr;  // accumulated, in quanta
   ForceScale scale;
   // step
-  double dt = 0.0;
-  // laws
+  double dt = 0.0;  // [s]
+  double time = 0.0;  // at the end of the step [s]
+  // laws: either a material with an EOS, or a solid
   const Material* material = nullptr;
   const Eos* eos = nullptr;
+  const Solid* solid = nullptr;
+  LawAccess of_material, of_eos;  // the former also of a solid
   ErosionJudge* judge = nullptr;  // null where nothing erodes
   double reference_density = 0.0;
   // elements
@@ -58,7 +94,11 @@ struct ElementArrays {
   double* internal_energy = nullptr;  // of the element, bulk viscosity's work included [J]
   double* viscous_energy = nullptr;  // the bulk viscosity's share of it [J]
   Real* element_state = nullptr;
-  double *material_state = nullptr, *eos_state = nullptr;
+  double *material_state = nullptr, *eos_state = nullptr;  // the former also of a solid
+  const double* place = nullptr;  // [block][4][lane] centre and cube root of volume before the first step [m]
+  /// Factors of the stress: of the deviator and of tensile pressures, for the next step and as applied to the stress
+  /// that is stored; null where no criterion softens. [block][4][lane]
+  double* softening = nullptr;
   int n_element_state = 0, n_material_state = 0, n_eos_state = 0;
   const std::uint8_t* exposed_faces = nullptr;  // [block][lane], at time zero; null in later cycles, and where unknown
   // results

@@ -17,41 +17,55 @@ struct ErosionInputPoint {
   double time_step = 0.0;  // stable time step of the element, without safety factor [s]
   SymTensor strain_increment;  // midpoint [-]
   Rotation rotation;  // rotation of the step
+  double dt = 0.0;  // [s]
+  double time = 0.0;  // at the end of the step [s]
 };
+/// With what a law has asked for: `ErosionInputWith<inputs>`, see Inputs.
+template <unsigned inputs>
+struct ErosionInputWith : ErosionInputPoint, detail::AskedInputs<(inputs & ~with_rotation)> {};
 
 /// What a criterion says of a point: the value it looked at, and 1 where the element has failed, else 0.
 struct Verdict {
   double value = 0.0;
   double failed = 0.0;
+  // What is left of the deviator and of tensile pressures in the next step, 0 to 1; of criteria with `softens` only.
+  double strength = 1.0, tension = 1.0;
 };
 
 /// One block of `lane_width` points; see MaterialBatch.
-struct ErosionBatch {
+struct ErosionBatch : LawRows {
   const double (*stress)[lane_width] = nullptr;  // [6][lane]
   const double (*strain_increment)[lane_width] = nullptr;  // [6][lane]
-  const double (*rotation)[lane_width] = nullptr;  // [9][lane]
   const double *pressure = nullptr, *density_ratio = nullptr, *volume_ratio = nullptr, *time_step = nullptr;
-  const double* const* reads = nullptr;  // [variable] -> [lane]
   double* state = nullptr;  // [variable][lane]
   double *value = nullptr, *failed = nullptr;
+  double *strength = nullptr, *tension = nullptr;  // written by criteria that soften
 };
 
 class ErosionCriterion : public Law {
  public:
   virtual void judge(const ErosionBatch& batch) const = 0;
+  /// Whether the criterion weakens the stress before the element fails.
+  virtual bool softens() const { return false; }
   /// Cycles between two looks. A criterion that keeps state is updated every cycle all the same.
   std::int64_t check_interval = 1;
 };
 
-/// A criterion whose law is `Verdict judge_point(const ErosionInputPoint&, const Reads&, State&) const`.
+/// A criterion whose law is `Verdict judge_point(const ErosionInputPoint&, const Reads&, State&) const`. One that
+/// weakens the stress declares `static constexpr bool can_soften = true` and sets the verdict's `strength` and
+/// `tension`; it may have `bool softens() const` where that depends on its parameters.
 template <class LawType>
-class PointwiseErosion : public ErosionCriterion {
+class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> {
  public:
+  bool softens() const override { return may_soften(); }
   void judge(const ErosionBatch& b) const final {
     using State = typename LawType::State;
     using Reads = typename LawType::Reads;
     alignas(64) double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
     alignas(64) double value[lane_width], failed[lane_width];
+    [[maybe_unused]] alignas(64) double strength[lane_width], tension[lane_width];
+    constexpr unsigned inputs = detail::inputs_of<LawType>();
+    const double dt = b.dt, time = b.time;
     detail::LaneVariables<State> state;
     detail::LaneVariables<Reads> reads;
     for (int l = 0; l < lane_width; ++l) {
@@ -70,7 +84,10 @@ class PointwiseErosion : public ErosionCriterion {
     const auto& law = static_cast<const LawType&>(*this);
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
-      ErosionInputPoint in;
+      ErosionInputWith<inputs> in;
+      detail::set_asked<(inputs & ~with_rotation)>(in, b, l);
+      in.dt = dt;
+      in.time = time;
       in.stress = detail::tensor_at(stress, l);
       in.strain_increment = detail::tensor_at(strain, l);
       in.rotation = {rotation[0][l], rotation[1][l], rotation[2][l], rotation[3][l], rotation[4][l],
@@ -80,10 +97,15 @@ class PointwiseErosion : public ErosionCriterion {
       in.volume_ratio = rest[2][l];
       in.time_step = rest[3][l];
       State point = state.at(l);
-      const Verdict verdict = law.judge_point(in, reads.at(l), point);
+      Verdict verdict;
+      detail::in_lane(l, [&]() __attribute__((always_inline)) { verdict = law.judge_point(in, reads.at(l), point); });
       state.set(l, point);
       value[l] = verdict.value;
       failed[l] = verdict.failed;
+      if constexpr (may_soften()) {
+        strength[l] = verdict.strength;
+        tension[l] = verdict.tension;
+      }
     };
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) one_point(l);
@@ -92,7 +114,16 @@ class PointwiseErosion : public ErosionCriterion {
       b.value[l] = value[l];
       b.failed[l] = failed[l];
     }
+    if constexpr (may_soften())
+      if (this->softens())
+        for (int l = 0; l < lane_width; ++l) {
+          b.strength[l] = strength[l];
+          b.tension[l] = tension[l];
+        }
   }
+
+ private:
+  static constexpr bool may_soften() { return requires { requires LawType::can_soften; }; }
 
  protected:
   /// Declares the check interval that every criterion takes.

@@ -19,14 +19,21 @@ struct PointInputOf {
   Real reference_density = 0;  // [kg/m3]
   Real specific_energy = 0;  // internal energy per mass at the start of the step [J/kg]
   Real pressure = 0;  // at the start of the step, positive in compression [Pa]
+  double time = 0;  // at the end of the step [s]
+
+  /// Volume over undeformed volume, at the end of the step [-].
+  Real volume_ratio() const { return reference_density / density; }
 };
 using PointInput = PointInputOf<double>;
+/// With what a law has asked for: `PointInputWith<inputs>`, see Inputs.
+template <unsigned inputs, class Real = double>
+struct PointInputWith : PointInputOf<Real>, detail::AskedInputs<inputs> {};
 
 /// One block of `lane_width` points, whose element computes with numbers of type `Real`. Rows have `lane_width`
 /// entries; none overlaps another. State is kept in double precision always.
 template <class Real>
-struct MaterialRows {
-  double dt = 0.0, reference_density = 0.0;
+struct MaterialRows : LawRows {
+  double reference_density = 0.0;
   const Real (*strain_increment)[lane_width] = nullptr;  // [6][lane]
   const Real *density = nullptr, *specific_energy = nullptr, *pressure = nullptr;
   Real (*deviator)[lane_width] = nullptr;  // [6][lane] in: rotated to the end of the step; out: updated [Pa]
@@ -51,7 +58,7 @@ class Material : public Law {
       pressure[l] = b.pressure[l];
     }
     MaterialBatch wide;
-    wide.dt = b.dt;
+    static_cast<LawRows&>(wide) = b;
     wide.reference_density = b.reference_density;
     wide.strain_increment = strain;
     wide.density = density;
@@ -69,7 +76,8 @@ class Material : public Law {
 };
 
 /// A material whose law is `void update_point(const PointInput&, SymTensor& deviator, State&, double& shear_modulus)
-/// const`. `Law` derives from it and may declare `struct State` (doubles only) and `describe`.
+/// const`; with a `struct Reads`, `update_point(const PointInput&, const Reads&, SymTensor&, State&, double&) const`.
+/// `LawType` derives from it and declares `struct State` (doubles and symmetric tensors) and `describe`.
 ///
 /// The law must be free of side effects. Without calls that cannot be inlined, and with choices written so that
 /// both sides may be computed, the loop over the points vectorises.
@@ -78,7 +86,7 @@ class Material : public Law {
 /// State&, Real&) const`, and declares `static constexpr bool computes_in_single = true`, computes with floats where
 /// the elements do. All others compute in double precision.
 template <class LawType>
-class PointwiseMaterial : public Material {
+class PointwiseMaterial : public detail::PointwiseLaw<LawType, Material> {
  public:
   void update(const MaterialBatch& b) const final { update_rows<double>(b); }
   void update_single(const SingleMaterialBatch& b) const final {
@@ -99,13 +107,19 @@ class PointwiseMaterial : public Material {
     const Real(*const old_stress)[lane_width] = b.deviator;
     const Real *const density = b.density, *const energy = b.specific_energy, *const pressure = b.pressure;
     const double* const old_state = b.state;
+    using Reads = typename detail::ReadsOf<LawType>::type;
+    constexpr unsigned inputs = detail::inputs_of<LawType>();
+    detail::LaneVariables<Reads> reads;
+    if constexpr (n_doubles<Reads> > 0) reads.read(b.reads);
     // Results go to local arrays first. Written straight to b, they could alias the law's constants, and the compiler
     // would recompute everything derived from the constants for each lane.
     alignas(64) Real stress[6][lane_width], modulus[lane_width];
     detail::LaneVariables<State> state;
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
-      PointInputOf<Number> in;
+      PointInputWith<inputs, Number> in;
+      in.time = b.time;
+      detail::set_asked<inputs>(in, b, l);
       in.strain_increment = {number(strain[0][l]), number(strain[1][l]), number(strain[2][l]),
                              number(strain[3][l]), number(strain[4][l]), number(strain[5][l])};
       in.dt = dt;
@@ -117,7 +131,12 @@ class PointwiseMaterial : public Material {
                                number(old_stress[3][l]), number(old_stress[4][l]), number(old_stress[5][l])};
       State point = detail::state_at<State>(old_state, l);
       Number g = 0;
-      law.update_point(in, s, point, g);
+      detail::in_lane(l, [&]() __attribute__((always_inline)) {
+        if constexpr (n_doubles<Reads> > 0)
+          law.update_point(in, reads.at(l), s, point, g);
+        else
+          law.update_point(in, s, point, g);
+      });
       stress[0][l] = real(s.xx);
       stress[1][l] = real(s.yy);
       stress[2][l] = real(s.zz);

@@ -51,8 +51,6 @@ struct Made {
   void* parameters = nullptr;
 };
 
-struct Law;
-
 namespace detail {
 
 template <class T>
@@ -63,16 +61,6 @@ template <class T>
 concept HasReads = requires {
   typename T::Reads;
 };
-template <class Class>
-constexpr bool is_of_base(std::vector<StateVariable> (Class::*)() const) {
-  return std::is_same_v<Class, Law>;
-}
-/// Whether a law overrides state_variables(): then its declaration need not be complete.
-template <class T>
-concept ListsItsState = requires {
-  requires !is_of_base(&T::state_variables);
-};
-
 /// Throws std::runtime_error unless describe() declares every member of `Members` (a law's State or Reads) once, in
 /// order: what is not declared gets no memory, and what is declared out of order would be swapped.
 template <class Members, class Declared>
@@ -89,7 +77,17 @@ void expect_all_declared(const Description& d, const char* what, const std::vect
     throw std::runtime_error(law + "its " + what + " takes " + std::to_string(room) +
                              " bytes, but describe() declares " + std::to_string(declared.size()) + " doubles, " +
                              std::to_string(declared.size() * sizeof(double)) +
-                             " bytes; make every member a double and declare it");
+                             " bytes; make every member a double or a symmetric tensor and declare it");
+}
+
+/// Throws std::runtime_error where a law asks for inputs by its member `inputs`, but asked_inputs() does not say so:
+/// the rows would be null.
+template <class T>
+void expect_inputs_asked(const Description& d) {
+  if constexpr (requires { T::inputs; })
+    if (T().asked_inputs() != T::inputs)
+      throw std::runtime_error(d.kind + " " + d.name + " (" + d.origin +
+                               "): `inputs` and asked_inputs() differ; override asked_inputs() to return `inputs`");
 }
 
 }  // namespace detail
@@ -109,9 +107,13 @@ class Registrar {
     d.origin = origin;
     Schema<T> schema(d);
     T::describe(schema);
-    if constexpr (detail::HasState<T> && !detail::ListsItsState<T>)
-      detail::expect_all_declared<typename T::State>(d, "State", d.state);
+    if constexpr (detail::HasState<T>) detail::expect_all_declared<typename T::State>(d, "State", d.state);
     if constexpr (detail::HasReads<T>) detail::expect_all_declared<typename T::Reads>(d, "Reads", d.reads);
+    detail::expect_inputs_asked<T>(d);
+    for (const StateVariable& v : d.state)
+      if (v.begins_tensor && d.kind == "eos")
+        throw std::runtime_error(d.kind + " " + d.name + " (" + d.origin + "): the state variable `" + v.name +
+                                 "` belongs to a tensor, which an equation of state cannot keep; declare scalars");
     add(
         std::move(d), +[] {
           auto object = std::make_unique<T>();
@@ -146,6 +148,7 @@ class Registrar {
 #define KERF_TYPE(Type, kind, name, summary) registrar.add_type<Type>(kind, name, summary, __FILE__);
 
 #define KERF_MATERIAL(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "material", name, summary))
+#define KERF_SOLID(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "solid", name, summary))
 #define KERF_EOS(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "eos", name, summary))
 #define KERF_EROSION(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "erosion", name, summary))
 #define KERF_CONTACT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "contact", name, summary))

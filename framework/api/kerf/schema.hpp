@@ -103,12 +103,17 @@ struct StateVariable {
   std::string name, unit, doc;
   double initial = 0.0;
   int index = 0;  // position in the law's State, in doubles
+  bool begins_tensor = false;  // the first of six components (xx, yy, zz, xy, yz, zx) that the element rotates
 };
 
 /// A quantity that a law reads from whichever other law of the element declares it as state.
 struct ReadVariable {
   std::string name, doc;
   int index = 0;  // position in the law's Reads, in doubles
+  bool is_optional = false;  // where no law declares it, `value` is read
+  double value = 0.0;
+  /// The name that the user gave; empty where the declaration fixes it.
+  std::function<std::string(const Plugin&)> name_of = {};
 };
 
 /// A relation between parameters; `key` is the parameter whose line the message names.
@@ -150,6 +155,21 @@ class ParameterHandle {
 
  private:
   Parameter* p_;
+};
+
+/// Chained after the declaration of a variable that is read.
+class ReadHandle {
+ public:
+  explicit ReadHandle(ReadVariable& r) : r_(&r) {}
+  /// Without a law that declares the variable, `value` is read; otherwise its absence is an error of the input.
+  ReadHandle& by_default(double value) {
+    r_->is_optional = true;
+    r_->value = value;
+    return *this;
+  }
+
+ private:
+  ReadVariable* r_;
 };
 
 /// Filled by `T::describe`. Parameters are named by member pointers, so a name is typed once.
@@ -302,19 +322,38 @@ class Schema {
   void state(double State::*member, std::string name, std::string unit, double initial, std::string doc) {
     d_.state.push_back({std::move(name), std::move(unit), std::move(doc), initial, index_of(member)});
   }
-  /// An array in the law's `State`: variables name_1, name_2 and so on.
+  /// Several doubles, called name_1, name_2, ...
   template <class State, std::size_t n>
   void state(double (State::*member)[n], const std::string& name, const std::string& unit, double initial,
              const std::string& doc) {
-    const State probe{};
-    const int first = static_cast<int>(&(probe.*member)[0] - reinterpret_cast<const double*>(&probe));
-    for (std::size_t i = 0; i < n; ++i)
-      d_.state.push_back({name + "_" + std::to_string(i + 1), unit, doc, initial, first + static_cast<int>(i)});
+    const int first = index_of(member);
+    for (int i = 0; i < static_cast<int>(n); ++i)
+      d_.state.push_back({name + "_" + std::to_string(i + 1), unit, doc, initial, first + i});
   }
-  /// A double in the law's `Reads` that is filled from another law's state variable of that name.
+  /// A tensor that is zero at the start. The element rotates it with the material before it calls the law, as it does
+  /// with the stress (Jaumann rate by the rotation of Hughes & Winget 1980).
+  template <class State>
+  void state(SymTensor State::*member, const std::string& name, const std::string& unit, const std::string& doc) {
+    const int first = index_of(member);
+    int i = 0;
+    for (const char* component : {"_xx", "_yy", "_zz", "_xy", "_yz", "_zx"}) {
+      d_.state.push_back({name + component, unit, doc, 0.0, first + i, i == 0});
+      ++i;
+    }
+  }
+  /// A double in the law's `Reads` that is filled from another law's state variable of that name. A material sees it as
+  /// the last step left it, an equation of state after the material, a criterion after both.
   template <class Reads>
-  void reads(double Reads::*member, std::string name, std::string doc) {
+  ReadHandle reads(double Reads::*member, std::string name, std::string doc) {
     d_.reads.push_back({std::move(name), std::move(doc), index_of(member)});
+    return ReadHandle(d_.reads.back());
+  }
+  /// The same for a variable that the user names: with the parameter of that name, which is declared apart.
+  template <class Reads, class Owner>
+  ReadHandle reads(double Reads::*member, std::string Owner::*name, std::string doc) {
+    d_.reads.push_back({"", std::move(doc), index_of(member)});
+    d_.reads.back().name_of = [name](const Plugin& p) { return static_cast<const T&>(p).*name; };
+    return ReadHandle(d_.reads.back());
   }
   /// A relation between parameters, with the sentence that is printed where it does not hold.
   void rule(std::string key, std::string message, std::function<bool(const T&)> holds) {
@@ -355,12 +394,12 @@ class Schema {
     };
     return ParameterHandle(p);
   }
-  template <class Struct>
-  static int index_of(double Struct::*member) {
+  template <class Struct, class Member>
+  static int index_of(Member Struct::*member) {
     static_assert(sizeof(Struct) % sizeof(double) == 0, "State and Reads hold doubles and nothing else");
     const Struct probe{};
     const auto* base = reinterpret_cast<const double*>(&probe);
-    return static_cast<int>(&(probe.*member) - base);
+    return static_cast<int>(reinterpret_cast<const double*>(&(probe.*member)) - base);
   }
 
   Description& d_;

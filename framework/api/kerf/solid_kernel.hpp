@@ -18,8 +18,8 @@
 #include "kerf/shock_sensor.hpp"
 #include "kerf/solid_blocks.hpp"
 #include "kerf/solid_element.hpp"
+#include "kerf/solid_laws.hpp"
 #include "kerf/solid_motion.hpp"
-#include "kerf/solid_rows.hpp"
 
 namespace kerf {
 
@@ -65,12 +65,16 @@ class SolidKernel {
           store_lanes(rows.exact_density + l, load_lanes(entry_at(w.mass, 1, block, 0, l)) / volume);
         }
         if (mask_of(~(piece.volume > Real(0.0))) != 0 && w.inverted_block < 0) w.inverted_block = block;
-        store_lanes(rows.density + lane, load_lanes_as<Real>(entry_at(w.mass, 1, block, 0, lane)) / piece.volume);
+        const V mass = load_lanes_as<Real>(entry_at(w.mass, 1, block, 0, lane));
+        store_lanes(rows.density + lane, mass / piece.volume);
+        store_lanes(rows.energy + lane, load_lanes_as<Real>(entry_at(w.internal_energy, 1, block, 0, lane)) / mass);
+        store_lanes(rows.length + lane, piece.length);
         for (int i = 0; i < 6; ++i)
           store_lanes(rows.deviator[i] + lane, load_lanes(entry_at(w.deviator, 6, block, i, lane)));
       });
-      update_material(w, block, rows);
-      evaluate_eos(w, block, rows);
+      stand_still(rows.step);
+      update_deviator(w, block, rows);
+      if (!w.solid) evaluate_eos(w, block, rows, false);
       each_piece<Real>([&](int lane) __attribute__((always_inline)) {
         const Motion& piece = k[lane / lanes_of<Real>];
         store_lanes(entry_at(w.pressure, 1, block, 0, lane), load_lanes_as<Real>(rows.pressure + lane));
@@ -225,18 +229,18 @@ class SolidKernel {
     Rows rows;
     const auto piece = [&pieces](int lane) -> Piece& { return pieces[lane / lanes_of<Real>]; };
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { deform(w, block, lane, piece(lane), rows); });
-    update_material(w, block, rows);
-    const bool uses_energy = w.eos->uses_energy();
+    update_deviator(w, block, rows);
+    const bool uses_energy = !w.solid && w.eos->uses_energy();
     each_piece<Real>([&](int lane) __attribute__((always_inline)) {
       predict_energy(w, block, lane, uses_energy, piece(lane), rows);
     });
-    evaluate_eos(w, block, rows);
+    if (!w.solid) evaluate_eos(w, block, rows, !uses_energy);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) {
       add_viscosity(w, block, lane, uses_energy, piece(lane), rows);
     });
-    if (uses_energy) evaluate_eos(w, block, rows);
+    if (uses_energy) evaluate_eos(w, block, rows, true);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { finish_state(w, block, lane, piece(lane), rows); });
-    const unsigned dead = w.judge ? judge_block(w, block, rows.step, pieces) : 0;
+    const unsigned dead = w.judge ? judge_block(w, block, rows, pieces) : 0;
     alignas(64) Real alive[lane_width];
     std::fill_n(alive, lane_width, Real(1.0));
     for (unsigned left = dead; left != 0; left &= left - 1) alive[std::countr_zero(left)] = Real(0.0);
@@ -292,18 +296,19 @@ class SolidKernel {
     p.old_energy = load_lanes_as<Real>(entry_at(w.internal_energy, 1, block, 0, lane));
     store_lanes(rows.density + lane, p.density);
     store_lanes(rows.energy + lane, p.old_energy * p.per_mass);
+    store_lanes(rows.length + lane, p.k.length);
   }
 
   /// Change of the deviator over that of an elastic step, |s - R s R^T| / (2 G |dev strain|): one in elastic steps,
   /// little where the material flows.
-  [[gnu::always_inline]] static V elastic_share(int lane, const Piece& p, const Rows& rows) {
+  [[gnu::always_inline]] static V elastic_share(int lane, const V (&old)[6], const Rows& rows) {
     const auto& strain = rows.step.strain;
     const V mean =
         (load_lanes(strain[0] + lane) + load_lanes(strain[1] + lane) + load_lanes(strain[2] + lane)) * Real(1.0 / 3.0);
     V change2{}, strain2{};
     for (int i = 0; i < 6; ++i) {
       const V e = load_lanes(strain[i] + lane) - (i < 3 ? mean : V{});
-      const V change = load_lanes(rows.deviator[i] + lane) - p.s[i];
+      const V change = load_lanes(rows.deviator[i] + lane) - old[i];
       strain2 += Real(i < 3 ? 1.0 : 2.0) * e * e;
       change2 += Real(i < 3 ? 1.0 : 2.0) * change * change;
     }
@@ -312,13 +317,35 @@ class SolidKernel {
     return change2 < elastic2 ? sqrt_of(change2 / (elastic2 + tiny<Real>)) : lanes(Real(1.0));
   }
 
+  /// The deviator that the law has found keeps the share of this step, which takes the place of the last step's. So
+  /// does what hourglass control holds of the element's shape.
+  [[gnu::noinline]] void soften(Work& w, int block, int lane, Piece& p, Rows& rows) const {
+    const auto factors = [&](int component) {
+      return entry_at(w.softening, detail::n_softening, block, component, lane);
+    };
+    const V factor = load_lanes_as<Real>(factors(detail::next_strength));
+    const V per_old = Real(1.0) / max_of(load_lanes_as<Real>(factors(detail::strength_applied)),
+                                         lanes(Real(detail::least_factor)));
+    if (finds_elastic_share_) {
+      V sound[6];
+      for (int i = 0; i < 6; ++i) sound[i] = p.s[i] * per_old;
+      p.elastic_share = elastic_share(lane, sound, rows) * factor;
+      p.solid *= min_of(max_of(factor * per_old, lanes(Real(detail::least_factor))), lanes(Real(1.0)));
+    }
+    for (int i = 0; i < 6; ++i) store_lanes(rows.deviator[i] + lane, load_lanes(rows.deviator[i] + lane) * factor);
+    std::copy_n(factors(detail::next_strength), lanes_of<Real>, factors(detail::strength_applied));
+    std::copy_n(factors(detail::next_tension), lanes_of<Real>, factors(detail::tension_applied));
+  }
+
   /// Work of the mean of the old and the new deviator; energy with the old pressure, for the EOS.
   [[gnu::always_inline]] void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
                                              Rows& rows) const {
     if (finds_elastic_share_) {
-      p.elastic_share = elastic_share(lane, p, rows);
+      p.elastic_share = elastic_share(lane, p.s, rows);
       p.solid = load_lanes(rows.modulus + lane) > Real(0.0) ? lanes(Real(1.0)) : V{};
     }
+    if (w.softening) [[unlikely]]
+      soften(w, block, lane, p, rows);
     V work{};
     for (int i = 0; i < 6; ++i) {
       const V now = load_lanes(rows.deviator[i] + lane);
@@ -394,11 +421,11 @@ class SolidKernel {
   }
 
   /// Which lanes erode, as a bit mask.
-  unsigned judge_block(Work& w, int block, const Strain& step, const Piece (&pieces)[pieces_of<Real>]) const {
+  unsigned judge_block(Work& w, int block, const Rows& law_rows, const Piece (&pieces)[pieces_of<Real>]) const {
     alignas(64) double stress[6][lane_width], pressure[lane_width], density[lane_width], volume[lane_width],
         time_step[lane_width];
     StepStrain<double> in_doubles;
-    const StepStrain<double>& wide = widen(step, in_doubles);
+    const StepStrain<double>& wide = widen(law_rows.step, in_doubles);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) {
       const Piece& p = pieces[lane / lanes_of<Real>];
       const auto reference = static_cast<Real>(w.reference_density);
@@ -409,6 +436,11 @@ class SolidKernel {
       store_lanes(time_step + lane, p.stable);
     });
     ErosionBatch rows;
+    detail::AskedRows asked;
+    if (const unsigned inputs = w.judge->asked_inputs() & ~with_rotation; inputs != 0) [[unlikely]]
+      detail::fill_asked(w, block, inputs, law_rows, asked, rows);
+    rows.dt = w.dt;
+    rows.time = w.time;
     rows.stress = stress;
     rows.strain_increment = wide.strain;
     rows.rotation = wide.rotation;

@@ -1,4 +1,4 @@
-// Rows of a block that a kernel of solid elements hands to materials and equations of state.
+// Rows of a block that a kernel of solid elements hands to its laws.
 #pragma once
 
 #include "kerf/solid_blocks.hpp"
@@ -12,6 +12,7 @@ struct SolidRows {
   StepStrain<Real> step;
   alignas(64) Real deviator[6][lane_width], density[lane_width], energy[lane_width], modulus[lane_width];
   alignas(64) double exact_density[lane_width], pressure[lane_width], bulk[lane_width];  // for the EOS, and from it
+  alignas(64) Real length[lane_width];  // of the stable step [m]
 };
 
 /// The row itself, or its copy in double precision.
@@ -43,37 +44,11 @@ template <class Real>
     return v[0];
 }
 
-/// Asks the equation of state for pressure and bulk modulus.
+/// The step before the first one: no strain, no rotation.
 template <class Real>
-void evaluate_eos(ElementArrays<Real>& w, int block, SolidRows<Real>& rows) {
-  alignas(64) double wide[lane_width];
-  EosBatch e;
-  e.reference_density = w.reference_density;
-  e.density = rows.exact_density;
-  e.specific_energy = widen(rows.energy, wide);
-  e.state = entry_at(w.eos_state, w.n_eos_state, block, 0, 0);
-  e.pressure = rows.pressure;
-  e.bulk_modulus = rows.bulk;
-  w.eos->evaluate(e);
-}
-
-/// Asks the material for the deviator and the shear modulus.
-template <class Real>
-void update_material(ElementArrays<Real>& w, int block, SolidRows<Real>& rows) {
-  MaterialRows<Real> m;
-  m.dt = w.dt;
-  m.reference_density = w.reference_density;
-  m.strain_increment = rows.step.strain;
-  m.density = rows.density;
-  m.specific_energy = rows.energy;
-  m.pressure = entry_at(w.pressure, 1, block, 0, 0);
-  m.deviator = rows.deviator;
-  m.state = entry_at(w.material_state, w.n_material_state, block, 0, 0);
-  m.shear_modulus = rows.modulus;
-  if constexpr (std::is_same_v<Real, float>)
-    w.material->update_single(m);
-  else
-    w.material->update(m);
+void stand_still(StepStrain<Real>& step) {
+  step = {};
+  for (const int i : {0, 4, 8}) std::fill_n(step.rotation[i], lane_width, diagonal<Real>);
 }
 
 }  // namespace kerf

@@ -1,0 +1,162 @@
+// Asks laws for their state at the start, and applies the input's block `initial_state`.
+#include "model/initial_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.hpp"
+#include "model/node_group.hpp"
+
+namespace kerf {
+
+namespace {
+
+/// State of `lane_width` points of a law, as rows, at a place that does not matter to moduli.
+std::vector<double> initial_rows(const Law& law, double density) {
+  std::vector<double> one, rows;
+  for (const StateVariable& v : law.state_variables()) one.push_back(v.initial);
+  InitialPoint point;
+  point.length = 1.0;
+  point.density = density;
+  law.initialise(point, one.data());
+  for (const double value : one) rows.insert(rows.end(), lane_width, value);
+  rows.resize(rows.size() + lane_width);  // never empty
+  return rows;
+}
+
+/// One block of undeformed points that a law is asked about.
+struct Sample {
+  double zero[6][lane_width] = {}, stress[6][lane_width] = {}, density[lane_width], energy[lane_width] = {};
+  double shear[lane_width] = {}, bulk[lane_width] = {}, pressure[lane_width] = {};
+  double length[lane_width], place[3][lane_width] = {}, rotation[9][lane_width] = {};
+  std::vector<double> read_rows;
+  std::vector<const double*> reads;
+
+  Sample(const MaterialInput& m, double specific_energy) {
+    std::fill(density, density + lane_width, m.density);
+    std::fill(energy, energy + lane_width, specific_energy);
+    std::fill(length, length + lane_width, 1.0);
+    for (const int d : {0, 4, 8}) std::fill(rotation[d], rotation[d] + lane_width, 1.0);
+  }
+  /// Variables that a law reads have their initial values.
+  void fill(LawRows& rows, const Law& law, const MaterialInput& m) {
+    rows.length = rows.initial_length = length;
+    rows.reference_position = place;
+    rows.rotation = rotation;
+    read_rows.clear();
+    const std::vector<ReadVariable> all = law.reads();
+    for (const ReadVariable& r : all) {
+      double value = r.value;
+      for (const Law* other : m.laws()) {
+        const std::vector<double> start = initial_rows(*other, m.density);
+        for (std::size_t v = 0; v < other->state_variables().size(); ++v)
+          if (other->state_variables()[v].name == r.name) value = start[v * lane_width];
+      }
+      read_rows.insert(read_rows.end(), lane_width, value);
+    }
+    reads.clear();
+    for (std::size_t r = 0; r < all.size(); ++r) reads.push_back(read_rows.data() + r * lane_width);
+    rows.reads = reads.data();
+  }
+};
+
+void ask(const MaterialInput& m, Sample& s) {
+  std::vector<double> state = initial_rows(m.stress_law(), m.density);
+  if (m.solid) {
+    SolidBatch b;
+    s.fill(b, *m.solid, m);
+    b.reference_density = m.density;
+    b.strain_increment = s.zero;
+    b.density = s.density;
+    b.specific_energy = s.energy;
+    b.deviator = s.stress;
+    b.pressure = s.pressure;
+    b.state = state.data();
+    b.shear_modulus = s.shear;
+    b.bulk_modulus = s.bulk;
+    m.solid->update(b);
+    return;
+  }
+  MaterialBatch b;
+  s.fill(b, *m.strength, m);
+  b.reference_density = m.density;
+  b.strain_increment = s.zero;
+  b.density = s.density;
+  b.specific_energy = s.energy;
+  b.pressure = s.pressure;
+  b.deviator = s.stress;
+  b.state = state.data();
+  b.shear_modulus = s.shear;
+  m.strength->update(b);
+  const std::vector<double> eos_state = initial_rows(*m.eos, m.density);
+  EosBatch e;
+  s.fill(e, *m.eos, m);
+  e.reference_density = m.density;
+  e.density = s.density;
+  e.specific_energy = s.energy;
+  e.state = eos_state.data();
+  e.pressure = s.pressure;
+  e.bulk_modulus = s.bulk;
+  m.eos->evaluate(e);
+}
+
+}  // namespace
+
+void ask_moduli(PartModel& part, const ModelInput& input) {
+  const MaterialInput& m = *part.material;
+  Sample cold(m, 0.0);
+  ask(m, cold);
+  part.shear_modulus = cold.shear[0];
+  part.bulk_modulus = cold.bulk[0];
+  part.initial_pressure = cold.pressure[0];
+  part.initial_energy = (m.solid ? m.solid->initial_energy_density() : m.eos->initial_energy_density()) / m.density;
+  for (const auto& initial : input.initial_states) {
+    if (initial->variable != "specific_energy") continue;
+    Sample hot(m, to_si(initial->value, "J/kg").value);
+    ask(m, hot);
+    part.hot_stiffness = std::max({part.hot_stiffness, hot.bulk[0], std::fabs(hot.pressure[0])});
+  }
+}
+
+bool asks_for(const MaterialInput& material, unsigned inputs) {
+  const std::vector<const Law*> laws = material.laws();
+  return std::any_of(laws.begin(), laws.end(), [&](const Law* l) { return (l->asked_inputs() & inputs) != 0; });
+}
+
+void initialise_laws(const PartModel& part, const InitialPoint& point, double* record) {
+  const MaterialInput& m = *part.material;
+  const PartStore& store = *part.store;
+  m.stress_law().initialise(point, record + store.offset(PartStore::material_state));
+  if (m.eos) m.eos->initialise(point, record + store.offset(PartStore::eos_state));
+  if (m.erosion) {
+    double* state = record + store.offset(PartStore::erosion_state) + part.first_criterion_state;
+    for (const auto& c : m.erosion->criteria) {
+      c->initialise(point, state);
+      state += c->state_variables().size();
+    }
+  }
+  if (store.field(PartStore::place).n_components == 0) return;
+  double* place = record + store.offset(PartStore::place);
+  for (int d = 0; d < 3; ++d) place[d] = point.position[d];
+  place[3] = point.length;
+}
+
+void apply_initial_states(Model& model) {
+  for (const auto& initial : model.input->initial_states) {
+    const NodeGroup group(model, initial->elements);
+    const bool is_energy = initial->variable == "specific_energy";
+    for (PartModel& part : model.parts) {
+      PartStore& store = *part.store;
+      const auto [field, component] =
+          is_energy ? std::pair(PartStore::internal_energy, 0) : store.find_variable(initial->variable);
+      if (field == PartStore::n_fields) continue;
+      const std::string unit = is_energy ? "J/kg" : store.field(field).components[component].unit;
+      const double value = to_si(initial->value, unit).value;
+      for (int s = 0; s < store.n_slots(); ++s)
+        if (store.live(s) && group.holds_element(model.nodes, store, s))
+          store.field(field).set(s, component, is_energy ? value * store.field(PartStore::mass).at(s, 0) : value);
+    }
+  }
+}
+
+}  // namespace kerf

@@ -1,0 +1,21 @@
+// What elements hold before the first step: what their laws say of the place, and what the input sets.
+#pragma once
+
+#include "model/model.hpp"
+
+namespace kerf {
+
+/// Bulk and shear modulus and pressure of the undeformed material, asked of its laws, and the stiffest that the initial
+/// energies of the input make of it.
+void ask_moduli(PartModel& part, const ModelInput& input);
+
+/// Whether a law of the part's material has asked for one of `inputs`, of Inputs.
+bool asks_for(const MaterialInput& material, unsigned inputs);
+
+/// Lets the laws of a part change the state in the record of a fresh element.
+void initialise_laws(const PartModel& part, const InitialPoint& point, double* record);
+
+/// Sets the values of the input's block `initial_state`, in its order. Local.
+void apply_initial_states(Model& model);
+
+}  // namespace kerf
