@@ -42,7 +42,8 @@ void ErosionInput::describe(Schema<ErosionInput>& s) {
 void MaterialInput::describe(Schema<MaterialInput>& s) {
   s.real(&MaterialInput::density, "density", "kg/m3", positive, "density of the undeformed material");
   s.plugin(&MaterialInput::strength, "strength", "material", "law of the stress deviator; needs an eos").optional();
-  s.plugin(&MaterialInput::eos, "eos", "eos", "equation of state, the law of the pressure; needs a strength").optional();
+  s.plugin(&MaterialInput::eos, "eos", "eos", "equation of state, the law of the pressure; needs a strength")
+      .optional();
   s.plugin(&MaterialInput::solid, "solid", "solid", "law of the whole stress, in place of strength and eos").optional();
   s.optional_block(&MaterialInput::erosion, "erosion", "when elements of this material are deleted");
 }

@@ -30,11 +30,12 @@ void digest(const Node& node, std::uint64_t& hash) {
 /// Whether an entry means the same as leaving its key out. Restart files from before the key existed still match then.
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
 
-/// Of precision, materials, parts, sets, initial states, boundaries, contacts, checks and the choice of the time step: what is
-/// computed. How long, how it is distributed and what is written may change at a restart.
+/// Of precision, materials, parts, sets, initial states, boundaries, contacts, checks and the choice of the time step:
+/// what is computed. How long, how it is distributed and what is written may change at a restart.
 std::string physics_digest(const Node& root) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const char* key : {"precision", "materials", "parts", "sets", "initial_state", "boundaries", "contacts", "checks"})
+  for (const char* key :
+       {"precision", "materials", "parts", "sets", "initial_state", "boundaries", "contacts", "checks"})
     if (const Entry* entry = root.find(key); entry && !is_default(*entry)) digest(entry->value, hash);
   if (const Entry* time = root.find("time"))
     for (const Entry& entry : time->value.entries)

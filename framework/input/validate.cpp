@@ -211,7 +211,9 @@ class Validator {
       diagnostics_.error(
           origins_.find(path),
           fmt::format("material `{}` has no {}; expected the keys strength and eos, or the key solid", material.name,
-                      strength ? "eos" : eos ? "strength" : "law of the stress"));
+                      strength ? "eos"
+                      : eos    ? "strength"
+                               : "law of the stress"));
   }
   /// Whether all laws that were written could be read.
   bool is_complete(const MaterialInput& material) const {
@@ -233,16 +235,15 @@ class Validator {
     for (const Law* law : material.laws())
       for (const ReadVariable& read : law->reads()) {
         const std::size_t n = n_declaring(material, read.name);
-        const std::string what = fmt::format("{} reads the state variable \"{}\" ({}), which ", law->type, read.name,
-                                             read.doc);
+        const std::string what =
+            fmt::format("{} reads the state variable \"{}\" ({}), which ", law->type, read.name, read.doc);
         if (n == 0 && !read.is_optional && !is_element_variable(read))
-          diagnostics_.error(
-              law->origin,
-              fmt::format("{}no law of material `{}` declares{}", what, material.name,
-                          available.empty() ? "; its laws declare none" : "; its laws declare " + listed(available)));
+          diagnostics_.error(law->origin, fmt::format("{}no law of material `{}` declares{}", what, material.name,
+                                                      available.empty() ? "; its laws declare none"
+                                                                        : "; its laws declare " + listed(available)));
         if (n > 1)
-          diagnostics_.error(law->origin, fmt::format("{}{} laws of material `{}` declare; expected one", what, n,
-                                                      material.name));
+          diagnostics_.error(law->origin,
+                             fmt::format("{}{} laws of material `{}` declare; expected one", what, n, material.name));
       }
   }
   /// What every element keeps may be read under a name that the user gives.

@@ -88,8 +88,7 @@ class PartStore {
     bool place = false, softening = false;
   };
 
-  PartStore(int index, const Element& element, Variables variables,
-            Precision precision = Precision::double_precision);
+  PartStore(int index, const Element& element, Variables variables, Precision precision = Precision::double_precision);
 
   int index() const { return index_; }
   const Shape& shape() const { return *shape_; }

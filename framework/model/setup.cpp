@@ -263,8 +263,8 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
     part.work =
         p->element->cost() * (0.8 + 0.2 * part.material->stress_law().cost() + (part.material->erosion ? 0.1 : 0.0));
     PartStore::Variables variables = variables_of(*part.material, part.first_criterion_state);
-    part.store = std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, std::move(variables),
-                                             precision);
+    part.store =
+        std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, std::move(variables), precision);
     part.material_reads = LawReads(part.material->stress_law(), *part.store);
     if (part.material->eos) part.eos_reads = LawReads(*part.material->eos, *part.store);
     model.parts.push_back(std::move(part));

@@ -1,4 +1,5 @@
-// Jones-Wilkins-Lee equation of state of detonation products, with programmed burn of the explosive that they come from.
+// Jones-Wilkins-Lee equation of state of detonation products, with programmed burn of the explosive that they come
+// from.
 //
 // Sources: E.L. Lee, H.C. Hornig & J.W. Kury, "Adiabatic expansion of high explosive detonation products", UCRL-50422
 // (1968), for the pressure; M.L. Wilkins, "Calculation of elastic-plastic flow", Methods in Computational Physics 3
@@ -22,10 +23,10 @@ struct Detonator {
   }
 };
 
-/// p = F [A (1 - w/(R1 V)) exp(-R1 V) + B (1 - w/(R2 V)) exp(-R2 V) + w E/V], with V = rho0/rho, the energy E per
-/// reference volume, and the burn fraction F. The detonation runs from the detonators in straight lines with velocity
-/// D and reaches a point at its lighting time. F is the greater of 2 D (t - t_l)/(3 h), with the element's length h, and
-/// (1 - V)/(1 - V_CJ); once it is one, it stays one.
+/// p = F [A (1 - w/(R1 V)) kerf::exp(-R1 V) + B (1 - w/(R2 V)) kerf::exp(-R2 V) + w E/V], with V = rho0/rho, the energy
+/// E per reference volume, and the burn fraction F. The detonation runs from the detonators in straight lines with
+/// velocity D and reaches a point at its lighting time. F is the greater of 2 D (t - t_l)/(3 h), with the element's
+/// length h, and (1 - V)/(1 - V_CJ); once it is one, it stays one.
 struct Jwl final : PointwiseEos<Jwl> {
   double A = 0.0, B = 0.0, R1 = 0.0, R2 = 0.0, omega = 0.0;  // [Pa], [-]
   double initial_energy = 0.0;  // [J/m3]
@@ -46,8 +47,7 @@ struct Jwl final : PointwiseEos<Jwl> {
     s.real(&Jwl::R1, "R1", "-", positive, "first exponent");
     s.real(&Jwl::R2, "R2", "-", positive, "second exponent");
     s.real(&Jwl::omega, "omega", "-", positive, "Grueneisen coefficient of the products");
-    s.real(&Jwl::initial_energy, "initial_energy", "J/m3", positive,
-           "energy of detonation per reference volume");
+    s.real(&Jwl::initial_energy, "initial_energy", "J/m3", positive, "energy of detonation per reference volume");
     s.real(&Jwl::detonation_velocity, "detonation_velocity", "m/s", positive,
            "velocity of the detonation; needed where there are detonators")
         .optional();
@@ -83,7 +83,7 @@ struct Jwl final : PointwiseEos<Jwl> {
     const double V = in.volume_ratio();
     state.burn_fraction = fraction(in, V, state);
     const double F = state.burn_fraction;
-    const double first = A * std::exp(-R1 * V), second = B * std::exp(-R2 * V);
+    const double first = A * kerf::exp(-R1 * V), second = B * kerf::exp(-R2 * V);
     const double E = in.reference_density * in.specific_energy + initial_energy, share = omega / V;
     const double products = first * (1.0 - share / R1) + second * (1.0 - share / R2) + share * E;
     // -V dp/dV at constant energy, and what the work of the pressure adds on the isentrope.

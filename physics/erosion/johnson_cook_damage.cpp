@@ -9,9 +9,9 @@ namespace {
 
 using namespace kerf;
 
-/// D' = ep' / ef with ef = [D1 + D2 exp(D3 eta)] [1 + D4 ln max(ep'/rate0, 1)] [1 + D5 T*], eta the triaxiality, tension
-/// positive, and T* = (T - Tr)/(Tm - Tr). The point fails at D = 1. With softening, the stress keeps
-/// 1 - ((D - Dc)/(1 - Dc))^m of itself beyond D = Dc.
+/// D' = ep' / ef with ef = [D1 + D2 exp(D3 eta)] [1 + D4 ln max(ep'/rate0, 1)] [1 + D5 T*], eta the triaxiality,
+/// tension positive, and T* = (T - Tr)/(Tm - Tr). The point fails at D = 1. With softening, the stress keeps 1 - ((D -
+/// Dc)/(1 - Dc))^m of itself beyond D = Dc.
 struct JohnsonCookDamage final : PointwiseErosion<JohnsonCookDamage> {
   double D1 = 0.0, D2 = 0.0, D3 = 0.0, D4 = 0.0, D5 = 0.0;
   double reference_rate = 1.0, reference_temperature = 0.0, melting_temperature = 0.0;  // [1/s], [K], [K]
@@ -69,13 +69,14 @@ struct JohnsonCookDamage final : PointwiseErosion<JohnsonCookDamage> {
 
   Verdict judge_point(const ErosionInputPoint& in, const Reads& reads, State& state) const {
     const SymTensor s = deviator(in.stress);
-    const double q = von_mises(s), eta = clamp_to(-in.pressure / (q + tiny<double>), -most_triaxiality, most_triaxiality);
+    const double q = von_mises(s),
+                 eta = clamp_to(-in.pressure / (q + tiny<double>), -most_triaxiality, most_triaxiality);
     const double d = max_of(reads.effective_plastic_strain - state.last_plastic_strain, 0.0);
     const double rate = max_of(d / (in.dt * reference_rate + tiny<double>), 1.0);
     const double heat = clamp_to((reads.temperature - reference_temperature) /
                                      (max_of(melting_temperature - reference_temperature, 0.0) + tiny<double>),
                                  0.0, 1.0);
-    const double strain = max_of((D1 + D2 * std::exp(D3 * eta)) * (1.0 + D4 * positive_log(rate)) * (1.0 + D5 * heat),
+    const double strain = max_of((D1 + D2 * kerf::exp(D3 * eta)) * (1.0 + D4 * positive_log(rate)) * (1.0 + D5 * heat),
                                  least_failure_strain);
     state.damage = min_of(state.damage + d / strain, 1.0);
     state.last_plastic_strain = reads.effective_plastic_strain;

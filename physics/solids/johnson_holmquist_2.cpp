@@ -63,15 +63,13 @@ struct JohnsonHolmquist2 final : PointwiseSolid<JohnsonHolmquist2> {
     const SymTensor trial = deviator(stress) + (2.0 * G) * deviator(in.strain_increment);
     const double q = von_mises(trial);
     const double old_strength = strength(pressure, state.damage, rate_factor);
-    const double d = max_of(q - old_strength, 0.0) / (3.0 * G);
-    const bool yields = d > 0.0;
-    const double failure_strain = D1 * power(positive_pressure(pressure), D2);
-    const double grown = select(failure_strain > 0.0, d / (failure_strain + tiny<double>), 1.0);
-    const double damage = select(yields, min_of(state.damage + grown, 1.0), state.damage);
+    // Where tension has used up the strength, what round-off leaves of a stress must not fail the point.
+    const bool yields = q > old_strength + round_off * (hel - hel_pressure);
+    const double damage = select(yields, damaged(pressure, state.damage, rate_factor, q - old_strength), state.damage);
     const double new_strength = strength(pressure, damage, rate_factor);
-    const double kept = min_of(q, select(yields, old_strength, q)), now = min_of(q, select(yields, new_strength, q));
+    const double kept = min_of(q, old_strength), now = select(yields, min_of(q, new_strength), q);
     // Bulking: the elastic energy of the deviator that damage alone sets free, in compression.
-    const double lost = max_of(kept * kept - now * now, 0.0) / (6.0 * G);
+    const double lost = select(yields, max_of(kept * kept - now * now, 0.0), 0.0) / (6.0 * G);
     const double linear = K1 * mu, shifted = linear + state.bulking_pressure;
     const double bulked = -linear + std::sqrt(shifted * shifted + 2.0 * beta * K1 * lost);
     const double bulking = select((mu > 0.0) & (lost > 0.0), bulked, state.bulking_pressure);
@@ -85,11 +83,22 @@ struct JohnsonHolmquist2 final : PointwiseSolid<JohnsonHolmquist2> {
   }
 
  private:
+  static constexpr double round_off = 1e-9;
   /// x^exponent, 0 where x is not positive.
   static double power(double x, double exponent) {
     const bool some = x > 1e-60;
     const double value = positive_power(select(some, x, 1.0), exponent);
     return select(exponent == 0.0, 1.0, select(some, value, 0.0));
+  }
+  /// Damage at the end of a step whose trial stress is `over` above the strength. The strength falls linearly with
+  /// damage, and so more plastic strain d is needed: 3 G d = over + (d / ef) (intact - fractured). Where that has no
+  /// solution, the point fails within the step.
+  double damaged(double p, double damage, double rate_factor, double over) const {
+    const double failure_strain = D1 * power(positive_pressure(p), D2);
+    const double fall = strength(p, 0.0, rate_factor) - strength(p, 1.0, rate_factor);
+    const double stiffness = 3.0 * G * failure_strain - fall;
+    const double grown = over / (max_of(stiffness, 0.0) + tiny<double>);
+    return select(stiffness > 0.0, min_of(damage + grown, 1.0), 1.0);
   }
   double positive_pressure(double p) const { return max_of((p + T) / hel_pressure, 0.0); }  // P* + T*
   double strength(double p, double damage, double rate_factor) const {

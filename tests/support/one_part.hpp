@@ -7,9 +7,11 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "input/model_input.hpp"
 #include "kerf/element.hpp"
 #include "model/law_reads.hpp"
 #include "model/part_store.hpp"
@@ -76,6 +78,7 @@ inline double volume_by_divergence(const HexMesh& mesh, const std::array<std::in
 struct PartLaws {
   std::string element = "{}", strength = "elastic", strength_parameters = "{shear_modulus: 80 GPa}";
   std::string eos = "linear", eos_parameters = "{bulk_modulus: 160 GPa}";
+  std::string solid, solid_parameters = "{}";  // in place of strength and eos
   double density = 8000.0;  // [kg/m3]
   double compression = 1.0;  // mass of the elements over density times volume
 };
@@ -95,16 +98,15 @@ class PartOf {
         v(mesh.x.size()),
         elements_(mesh.elements),
         element_(make_law<Element>("element", "hex8", laws.element)),
-        strength_(make_law<Material>("material", laws.strength, laws.strength_parameters)),
-        eos_(make_law<Eos>("eos", laws.eos, laws.eos_parameters)),
-        store_(0, *element_, {strength_->state_variables(), eos_->state_variables(), {}, false, false},
-               is_single ? Precision::single_precision : Precision::double_precision),
+        laws_(make(laws)),
+        store_(0, *element_, variables(laws_), is_single ? Precision::single_precision : Precision::double_precision),
         density_(laws.density) {
     std::vector<double> record(static_cast<std::size_t>(store_.record_size()));
     store_.make_room(static_cast<int>(elements_.size()));
     for (std::size_t e = 0; e < elements_.size(); ++e) {
       const double volume = volume_by_divergence(mesh, elements_[e]);
       store_.initial_record(laws.compression * density_ * volume, record.data());
+      start(mesh, elements_[e], std::cbrt(volume), record.data());
       store_.put(static_cast<int>(e), static_cast<std::int64_t>(e), elements_[e].data(), record.data());
     }
     // The dummy nodes form a cube that is larger than any element, so that it never sets the time step.
@@ -172,6 +174,12 @@ class PartOf {
     return least;
   }
   double hourglass_energy() const { return static_cast<double>(work.hourglass_energy) / work.energy_per_quantum; }
+  /// A state variable by name.
+  double variable(const std::string& name, int e) const {
+    const auto [field, component] = store_.find_variable(name);
+    if (field == PartStore::n_fields) throw std::runtime_error("no state variable " + name);
+    return get(field, e, component);
+  }
   double element_mass(int e) const { return get(PartStore::mass, e); }
 
   /// 2^-33 N: forces up to 1.6e7 N are resolved to a tenth of a nanonewton.
@@ -179,6 +187,35 @@ class PartOf {
 
  private:
   static constexpr bool is_single = std::is_same_v<Real, float>;
+
+  static MaterialInput make(const PartLaws& laws) {
+    MaterialInput made;
+    made.density = laws.density;
+    if (!laws.solid.empty()) {
+      made.solid = make_law<Solid>("solid", laws.solid, laws.solid_parameters);
+      return made;
+    }
+    made.strength = make_law<Material>("material", laws.strength, laws.strength_parameters);
+    made.eos = make_law<Eos>("eos", laws.eos, laws.eos_parameters);
+    return made;
+  }
+  static PartStore::Variables variables(const MaterialInput& laws) {
+    PartStore::Variables all;
+    all.material = laws.stress_law().state_variables();
+    if (laws.eos) all.eos = laws.eos->state_variables();
+    all.place = true;
+    return all;
+  }
+  /// State of an element before the first step.
+  void start(const HexMesh& mesh, const std::array<std::int32_t, 8>& nodes, double length, double* record) const {
+    InitialPoint point{{}, length, density_};
+    for (const std::int32_t n : nodes) point.position = point.position + mesh.x[n] * 0.125;
+    laws_.stress_law().initialise(point, record + store_.offset(PartStore::material_state));
+    if (laws_.eos) laws_.eos->initialise(point, record + store_.offset(PartStore::eos_state));
+    double* place = record + store_.offset(PartStore::place);
+    for (int d = 0; d < 3; ++d) place[d] = point.position[d];
+    place[3] = length;
+  }
 
   void integrate() {
     if constexpr (is_single)
@@ -193,21 +230,24 @@ class PartOf {
         velocity_[4 * n + d] = v[n][d];
       }
     std::fill(force_.begin(), force_.end(), 0);
+    const auto reals = [&](PartStore::FieldIndex f) { return store_.field(f).template entries<Real>(); };
+    const auto doubles = [&](PartStore::FieldIndex f) { return store_.field(f).template entries<double>(); };
     work = {};
     work.position = position_.data();
     work.velocity = velocity_.data();
     work.force = force_.data();
     work.scale = {force_quantum, 1.0 / force_quantum};
     work.dt = dt;
-    work.material = strength_.get();
-    work.eos = eos_.get();
+    work.time = time_ += dt;
+    work.material = laws_.strength.get();
+    work.eos = laws_.eos.get();
+    work.solid = laws_.solid.get();
     work.of_material = material_reads_.access(store_);
-    work.of_eos = eos_reads_.access(store_);
+    if (work.eos) work.of_eos = eos_reads_.access(store_);
+    work.place = doubles(PartStore::place);
     work.reference_density = density_;
     work.n_blocks = store_.n_blocks();
     work.nodes = store_.nodes();
-    const auto reals = [&](PartStore::FieldIndex f) { return store_.field(f).template entries<Real>(); };
-    const auto doubles = [&](PartStore::FieldIndex f) { return store_.field(f).template entries<double>(); };
     work.mass = doubles(PartStore::mass);
     work.volume = doubles(PartStore::volume);
     work.deviator = reals(PartStore::deviator);
@@ -227,11 +267,11 @@ class PartOf {
 
   std::vector<std::array<std::int32_t, 8>> elements_;
   std::unique_ptr<Element> element_;
-  std::unique_ptr<Material> strength_;
-  std::unique_ptr<Eos> eos_;
+  MaterialInput laws_;
   PartStore store_;
-  LawReads material_reads_{*strength_, store_}, eos_reads_{*eos_, store_};
-  double density_;
+  LawReads material_reads_{laws_.stress_law(), store_};
+  LawReads eos_reads_ = laws_.eos ? LawReads(*laws_.eos, store_) : LawReads();
+  double density_, time_ = 0.0;
   AlignedVector<double> position_, velocity_;
   AlignedVector<std::int64_t> force_;
 };

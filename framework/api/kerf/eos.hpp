@@ -59,7 +59,8 @@ class PointwiseEos : public detail::PointwiseLaw<LawType, Eos> {
     constexpr unsigned inputs = detail::inputs_of<LawType>();
     constexpr bool leaves_state = requires(const LawType& law, const State& s) {
       law.evaluate_point(EosInputWith<inputs>{}, s);
-    } || requires(const LawType& law, const State& s) { law.evaluate_point(EosInputWith<inputs>{}, Reads{}, s); };
+    }
+    || requires(const LawType& law, const State& s) { law.evaluate_point(EosInputWith<inputs>{}, Reads{}, s); };
     alignas(64) double density[lane_width], energy[lane_width], pressure[lane_width], modulus[lane_width];
     detail::LaneVariables<State> state;
     for (int l = 0; l < lane_width; ++l) {
@@ -68,7 +69,7 @@ class PointwiseEos : public detail::PointwiseLaw<LawType, Eos> {
     }
     state.read(b.state);
     detail::LaneVariables<Reads> reads;
-    if constexpr (n_doubles<Reads> > 0) reads.read(b.reads);
+    if constexpr (n_doubles < Reads >> 0) reads.read(b.reads);
     const double reference_density = b.reference_density, dt = b.dt, time = b.time;
     const auto& law = static_cast<const LawType&>(*this);
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
@@ -82,12 +83,13 @@ class PointwiseEos : public detail::PointwiseLaw<LawType, Eos> {
       detail::set_asked<inputs>(in, b, l);
       State point = state.at(l);
       EosOutput out;
-      detail::in_lane(l, [&]() __attribute__((always_inline)) {
-        if constexpr (n_doubles<Reads> > 0)
-          out = law.evaluate_point(in, reads.at(l), point);
-        else
-          out = law.evaluate_point(in, point);
-      });
+      detail::in_lane(
+          l, [&]() __attribute__((always_inline)) {
+            if constexpr (n_doubles < Reads >> 0)
+              out = law.evaluate_point(in, reads.at(l), point);
+            else
+              out = law.evaluate_point(in, point);
+          });
       if constexpr (!leaves_state) state.set(l, point);
       pressure[l] = out.pressure;
       modulus[l] = out.bulk_modulus;

@@ -98,7 +98,8 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
       in.time_step = rest[3][l];
       State point = state.at(l);
       Verdict verdict;
-      detail::in_lane(l, [&]() __attribute__((always_inline)) { verdict = law.judge_point(in, reads.at(l), point); });
+      detail::in_lane(
+          l, [&]() __attribute__((always_inline)) { verdict = law.judge_point(in, reads.at(l), point); });
       state.set(l, point);
       value[l] = verdict.value;
       failed[l] = verdict.failed;
@@ -123,7 +124,9 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
   }
 
  private:
-  static constexpr bool may_soften() { return requires { requires LawType::can_soften; }; }
+  static constexpr bool may_soften() {
+    return requires { requires LawType::can_soften; };
+  }
 
  protected:
   /// Declares the check interval that every criterion takes.

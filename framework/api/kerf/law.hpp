@@ -89,7 +89,7 @@ struct ReadsOf {
   using type = NoVariables;
 };
 template <class LawType>
-  requires requires { typename LawType::Reads; }
+requires requires { typename LawType::Reads; }
 struct ReadsOf<LawType> {
   using type = typename LawType::Reads;
 };

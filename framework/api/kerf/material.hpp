@@ -110,7 +110,7 @@ class PointwiseMaterial : public detail::PointwiseLaw<LawType, Material> {
     using Reads = typename detail::ReadsOf<LawType>::type;
     constexpr unsigned inputs = detail::inputs_of<LawType>();
     detail::LaneVariables<Reads> reads;
-    if constexpr (n_doubles<Reads> > 0) reads.read(b.reads);
+    if constexpr (n_doubles < Reads >> 0) reads.read(b.reads);
     // Results go to local arrays first. Written straight to b, they could alias the law's constants, and the compiler
     // would recompute everything derived from the constants for each lane.
     alignas(64) Real stress[6][lane_width], modulus[lane_width];
@@ -131,12 +131,13 @@ class PointwiseMaterial : public detail::PointwiseLaw<LawType, Material> {
                                number(old_stress[3][l]), number(old_stress[4][l]), number(old_stress[5][l])};
       State point = detail::state_at<State>(old_state, l);
       Number g = 0;
-      detail::in_lane(l, [&]() __attribute__((always_inline)) {
-        if constexpr (n_doubles<Reads> > 0)
-          law.update_point(in, reads.at(l), s, point, g);
-        else
-          law.update_point(in, s, point, g);
-      });
+      detail::in_lane(
+          l, [&]() __attribute__((always_inline)) {
+            if constexpr (n_doubles < Reads >> 0)
+              law.update_point(in, reads.at(l), s, point, g);
+            else
+              law.update_point(in, s, point, g);
+          });
       stress[0][l] = real(s.xx);
       stress[1][l] = real(s.yy);
       stress[2][l] = real(s.zz);

@@ -66,7 +66,7 @@ class PointwiseSolid : public detail::PointwiseLaw<LawType, Solid> {
     detail::LaneVariables<State> state;
     detail::LaneVariables<Reads> reads;
     state.read(b.state);
-    if constexpr (n_doubles<Reads> > 0) reads.read(b.reads);
+    if constexpr (n_doubles < Reads >> 0) reads.read(b.reads);
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
       SolidInputWith<inputs> in;
@@ -83,12 +83,13 @@ class PointwiseSolid : public detail::PointwiseLaw<LawType, Solid> {
       stress.zz -= b.pressure[l];
       State point = state.at(l);
       SolidModuli moduli;
-      detail::in_lane(l, [&]() __attribute__((always_inline)) {
-        if constexpr (n_doubles<Reads> > 0)
-          law.update_point(in, reads.at(l), stress, point, moduli);
-        else
-          law.update_point(in, stress, point, moduli);
-      });
+      detail::in_lane(
+          l, [&]() __attribute__((always_inline)) {
+            if constexpr (n_doubles < Reads >> 0)
+              law.update_point(in, reads.at(l), stress, point, moduli);
+            else
+              law.update_point(in, stress, point, moduli);
+          });
       detail::set_tensor(deviator, l, kerf::deviator(stress));
       pressure[l] = -(1.0 / 3.0) * stress.trace();
       shear[l] = moduli.shear;

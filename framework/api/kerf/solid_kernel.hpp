@@ -324,8 +324,8 @@ class SolidKernel {
       return entry_at(w.softening, detail::n_softening, block, component, lane);
     };
     const V factor = load_lanes_as<Real>(factors(detail::next_strength));
-    const V per_old = Real(1.0) / max_of(load_lanes_as<Real>(factors(detail::strength_applied)),
-                                         lanes(Real(detail::least_factor)));
+    const V per_old =
+        Real(1.0) / max_of(load_lanes_as<Real>(factors(detail::strength_applied)), lanes(Real(detail::least_factor)));
     if (finds_elastic_share_) {
       V sound[6];
       for (int i = 0; i < 6; ++i) sound[i] = p.s[i] * per_old;

@@ -1,5 +1,5 @@
-// How a kernel of solid elements calls its laws: the rows that a law has asked for, tensors that turn with the material,
-// and stress that damage has softened.
+// How a kernel of solid elements calls its laws: the rows that a law has asked for, tensors that turn with the
+// material, and stress that damage has softened.
 #pragma once
 
 #include <span>
@@ -68,8 +68,7 @@ template <class Real>
 [[gnu::noinline]] void restore_deviator(const ElementArrays<Real>& w, int block, SolidRows<Real>& rows) {
   const double* applied = entry_at(w.softening, n_softening, block, strength_applied, 0);
   for (int i = 0; i < 6; ++i)
-    for (int l = 0; l < lane_width; ++l)
-      rows.deviator[i][l] /= static_cast<Real>(max_of(applied[l], least_factor));
+    for (int l = 0; l < lane_width; ++l) rows.deviator[i][l] /= static_cast<Real>(max_of(applied[l], least_factor));
 }
 
 }  // namespace detail
