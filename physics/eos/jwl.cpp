@@ -90,19 +90,25 @@ struct Jwl final : PointwiseEos<Jwl> {
     const double slope = first * (R1 * V - omega - share / R1) + second * (R2 * V - omega - share / R2) + share * E;
     const double p = F * max_of(products, 0.0);
     const double burnt = max_of(F * (slope + omega * p), 0.0);
-    // The detonation arrives faster than any wave of what has not burnt.
+    // Compression that burns raises the pressure twice. What has not burnt is stiff as the detonation is fast.
+    const bool burns = (F > 0.0) & (F < 1.0) & (burn != "time");
+    const double burning = select(burns, V * max_of(products, 0.0) / (compression_to_burn(in) + tiny<double>), 0.0);
     const double arriving = in.density * detonation_velocity * detonation_velocity * (1.0 - F);
-    return {p, max_of(burnt, arriving)};
+    return {p, max_of(burnt + burning, arriving)};
   }
 
  private:
+  /// 1 - V_CJ, from the jump of mass and momentum over the detonation.
+  double compression_to_burn(const EosInput& in) const {
+    return cj_pressure / (in.reference_density * detonation_velocity * detonation_velocity + tiny<double>);
+  }
   double fraction(const EosInputWith<inputs>& in, double V, const State& state) const {
     const bool by_time = burn != "compression", by_compression = burn != "time" && cj_pressure > 0.0;
     const double D = detonation_velocity;
     const double since = select(by_time, max_of(in.time - state.lighting_time, 0.0), 0.0);
     const double burnt = (2.0 / 3.0) * D * since / (in.length + tiny<double>);
-    const double cj = cj_pressure / (in.reference_density * D * D + tiny<double>);  // 1 - V_CJ
-    const double compressed = select(by_compression, max_of(1.0 - V, 0.0) / (cj + tiny<double>), 0.0);
+    const double compressed =
+        select(by_compression, max_of(1.0 - V, 0.0) / (compression_to_burn(in) + tiny<double>), 0.0);
     const double most = min_of(max_of(burnt, compressed), 1.0);
     return select(state.burn_fraction >= 1.0, 1.0, select(most < least_fraction, 0.0, most));
   }
