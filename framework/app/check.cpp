@@ -13,6 +13,7 @@
 #include "mesh/quality.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/runtime.hpp"
+#include "report/observer_host.hpp"
 
 namespace kerf {
 
@@ -95,6 +96,7 @@ int check_command(const RunOptions& options, Registry& registry) {
     const auto input = load_input(runtime.comm(), options, registry);
     if (root) print_meshes(*input);
     Simulation simulation(runtime.comm(), *input, registry);
+    const ObserverHost observers(simulation, *input);  // throws where one of them cannot start
     const double memory = memory_of(simulation.model());
     if (root) print_report(simulation, *input, memory);
     if (root) print_warnings(simulation.warnings());

@@ -1,11 +1,47 @@
 // Wall-clock time spent in named phases; a handful of additions per cycle.
 #pragma once
 
+#include <array>
 #include <chrono>
-#include <map>
-#include <string>
+#include <cstddef>
+#include <string_view>
 
 namespace kerf {
+
+/// A phase of a run that is timed.
+struct TimerInfo {
+  const char* name;
+  const char* doc;  // half a sentence for the manual
+};
+
+/// All phases. A new timer is one line here; summary.json, the console and the manual follow.
+inline constexpr TimerInfo timer_table[] = {
+    {"setup", "meshes, masses, the first distribution"},
+    {"elements", "strains, laws and forces of elements"},
+    {"nodes", "the kick and drift of nodes, boundary conditions"},
+    {"contact_search", "looking for what may touch"},
+    {"contact_forces", "what touches, and its forces"},
+    {"halo", "exchange of nodal forces, and the step's reduction"},
+    {"erosion", "deleting elements, and the surface behind them"},
+    {"rebalance", "moving elements between ranks"},
+    {"output", "results, histories, restart files"},
+    {"observers", "observers of the input, without the writing of their columns"},
+};
+
+/// The place of a phase in timer_table. A name that is not there does not compile.
+class TimerName {
+ public:
+  consteval TimerName(const char* name) : index_(place_of(name)) {}
+  constexpr std::size_t index() const { return index_; }
+
+ private:
+  static consteval std::size_t place_of(std::string_view name) {
+    for (std::size_t i = 0; i < std::size(timer_table); ++i)
+      if (timer_table[i].name == name) return i;
+    throw "there is no such timer in timer_table";
+  }
+  std::size_t index_;
+};
 
 class Timers {
  public:
@@ -24,12 +60,13 @@ class Timers {
     Clock::time_point start_;
   };
 
-  Scope measure(const char* phase) { return Scope(seconds_[phase]); }
-  double& seconds(const std::string& phase) { return seconds_[phase]; }
-  const std::map<std::string, double, std::less<>>& all() const { return seconds_; }
+  Scope measure(TimerName phase) { return Scope(seconds_[phase.index()]); }
+  double seconds(TimerName phase) const { return seconds_[phase.index()]; }
+  /// Seconds per entry of timer_table.
+  const std::array<double, std::size(timer_table)>& all() const { return seconds_; }
 
  private:
-  std::map<std::string, double, std::less<>> seconds_;
+  std::array<double, std::size(timer_table)> seconds_{};
 };
 
 }  // namespace kerf

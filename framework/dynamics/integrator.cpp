@@ -43,11 +43,20 @@ std::int64_t contact_work(const Model& model, const Ledger& ledger, const std::i
 
 }  // namespace
 
-void Integrator::count(const Model& model, int node, Vec3 before, Vec3 free_flight, Vec3 after, Ledger& ledger) const {
-  if (!model.nodes.owned[node]) return;
-  const Vec3 impulse = (after - free_flight) * model.nodes.mass[node];
+/// Pre: the node stands where the step began.
+void Integrator::count(const Model& model, const Step& step, const std::vector<HalfSpace>& planes, const Passage& p,
+                       Ledger& ledger) const {
+  if (!model.nodes.owned[p.node]) return;
+  const double mass = model.nodes.mass[p.node];
+  const Vec3 impulse = (p.after - p.free_flight) * mass;
   for (int d = 0; d < 3; ++d) ledger.accounts.impulse[d] += ledger.momentum_quanta(impulse[d]);
-  ledger.accounts.external += ledger.energy_quanta(model, 0.5 * dot(impulse, after + before));
+  ledger.accounts.external += ledger.energy_quanta(model, 0.5 * dot(impulse, p.after + p.before));
+  if (books_ == nullptr) return;
+  std::vector<Vec3> left(model.input->boundaries.size());
+  constraints_.constrain(model, p.node, p.always, step, planes, p.before, p.free_flight, left.data());
+  Vec3 from = p.free_flight;
+  for (std::size_t b = 0; b < left.size(); from = left[b++])
+    books_->count_reaction(ledger, model, b, mass, from, left[b], p.before, p.after);
 }
 
 /// The pass over all nodes where some are asked only if their free flight ends where a condition acts.
@@ -70,7 +79,7 @@ void Integrator::advance_guarded(Model& model, const Step& step, const std::vect
     if (next < constrained.size() && constrained[next].node == h.node) continue;
     nodes.set_x(h.node, h.from);
     const Vec3 v = constraints_.constrain(model, h.node, 0, step, planes, h.before, h.free_flight);
-    count(model, h.node, h.before, h.free_flight, v, ledger);
+    count(model, step, planes, {h.node, 0, h.before, h.free_flight, v}, ledger);
     nodes.set_v(h.node, v);
     nodes.set_x(h.node, h.from + v * step.dt);
   }
@@ -89,7 +98,7 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
     const Vec3 v = constraints_.constrain(model, c.node, c.always, step, planes, before, free_flight);
     const Vec3 x = nodes.x(c.node);
     saved_.insert(saved_.end(), {v.x, v.y, v.z, x.x, x.y, x.z});
-    count(model, c.node, before, free_flight, v, ledger);
+    count(model, step, planes, {c.node, c.always, before, free_flight, v}, ledger);
   }
   old_load_velocity_.clear();
   for (const std::int32_t n : load.nodes)
@@ -115,7 +124,7 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
   }
 }
 
-Balance Integrator::sample(const Model& model, const Step& next, const ContactLoad& load, const Ledger& ledger) const {
+Integrator::Outlook Integrator::look_ahead(const Model& model, const Step& next, const Ledger& ledger) const {
   const NodeStore& nodes = model.nodes;
   const double factor = model.quanta.force.quantum * next.kick_dt();
   // The share of the coming kick that lies before the present time. Kinetic energy and work grow by its power at the
@@ -123,21 +132,21 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
   const double share = next.last_dt / (next.last_dt + next.dt);
   const auto n = static_cast<std::size_t>(nodes.n());
   // Entries of ghosts stay zero: only the owner of a node counts it.
-  std::vector<double> kinetic(n), momentum[3] = {kinetic, kinetic, kinetic};
+  Outlook out;
+  for (auto* list : {&out.kinetic, &out.momentum[0], &out.momentum[1], &out.momentum[2]}) list->resize(n);
   const auto enter = [&](std::size_t i, Vec3 v, Vec3 w) {
     const double mass = nodes.owned[i] != 0 ? nodes.mass[i] : 0.0;
-    kinetic[i] = mass * (0.5 * dot(v, v) + share * dot(v, w - v));
-    for (int d = 0; d < 3; ++d) momentum[d][i] = mass * v[d];
+    out.kinetic[i] = mass * (0.5 * dot(v, v) + share * dot(v, w - v));
+    for (int d = 0; d < 3; ++d) out.momentum[d][i] = mass * v[d];
   };
   for (std::size_t i = 0; i < n; ++i)
     enter(i, nodes.v(static_cast<int>(i)), vector_of(kicked(nodes, static_cast<int>(i), factor)));
-  std::int64_t external = 0, contact = 0, friction = 0;
   const std::vector<HalfSpace> planes = Constraints::regions(model, next);
   const auto apply = [&](int i, std::uint64_t always) {
     const Vec3 before = nodes.v(i), free_flight = vector_of(kicked(nodes, i, factor));
     const Vec3 v = constraints_.constrain(model, i, always, next, planes, before, free_flight);
     enter(static_cast<std::size_t>(i), before, v);
-    if (nodes.owned[i]) external += ledger.energy_quanta(model, nodes.mass[i] * dot(v - free_flight, before));
+    if (nodes.owned[i]) out.external += ledger.energy_quanta(model, nodes.mass[i] * dot(v - free_flight, before));
   };
   const auto& constrained = constraints_.constrained();
   const int n_asked = constraints_.none() ? 0 : nodes.n();
@@ -147,14 +156,23 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
     if (listed || constraints_.near(i) != 0) apply(i, listed ? constrained[at].always : 0);
     at += listed ? 1 : 0;
   }
+  return out;
+}
+
+Balance Integrator::sample(const Model& model, const Step& next, const ContactLoad& load, const Ledger& ledger) const {
+  const NodeStore& nodes = model.nodes;
+  const double share = next.last_dt / (next.last_dt + next.dt);
+  const Outlook outlook = look_ahead(model, next, ledger);
+  std::int64_t contact = 0, friction = 0;
   for (std::size_t k = 0; k < load.nodes.size(); ++k) {
     contact += contact_work(model, ledger, &load.force[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
     friction += contact_work(model, ledger, &load.friction[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
   }
-  std::int64_t sums[6] = {
-      ledger.accounts.external, ledger.accounts.contact, ledger.accounts.friction, external, contact, friction};
+  std::int64_t sums[6] = {ledger.accounts.external, ledger.accounts.contact, ledger.accounts.friction,
+                          outlook.external,         contact,                 friction};
   MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_INT64_T, MPI_SUM, model.comm);
-  const std::vector<double> totals = order_free_sums(model.comm, {kinetic, momentum[0], momentum[1], momentum[2]});
+  const std::vector<double> totals =
+      order_free_sums(model.comm, {outlook.kinetic, outlook.momentum[0], outlook.momentum[1], outlook.momentum[2]});
   Balance b;
   b.time = next.start;
   b.kinetic = totals[0];

@@ -9,6 +9,7 @@
 
 #include "contact/load.hpp"
 #include "core/quad.hpp"
+#include "dynamics/side_books.hpp"
 #include "model/constraints.hpp"
 #include "model/ledger.hpp"
 #include "model/model.hpp"
@@ -20,17 +21,37 @@ class Integrator {
  public:
   /// The conditions must outlive this.
   explicit Integrator(const Constraints& constraints) : constraints_(constraints) {}
+  /// Lets these books see what every single condition does. They must outlive this.
+  void split_reactions(SideBooks& books) { books_ = &books; }
   /// v += F/m dt, constraints, x += v dt, F = 0.
   void kick_and_drift(Model& model, const Step& step, const ContactLoad& load, Ledger& ledger);
   /// Kinetic energy and momentum at the start of `next`, and the work of contact and boundaries up to there.
   /// Changes nothing. Collective.
   Balance sample(const Model& model, const Step& next, const ContactLoad& load, const Ledger& ledger) const;
+  /// The terms of the kinetic energy in sample(), per node; zero for ghosts [J]. Local.
+  std::vector<double> kinetic_energies(const Model& model, const Step& next, const Ledger& ledger) const {
+    return look_ahead(model, next, ledger).kinetic;
+  }
 
  private:
-  void count(const Model& model, int node, Vec3 before, Vec3 free_flight, Vec3 after, Ledger& ledger) const;
+  /// What nodes have at the start of `next`, ghosts with zeros, and the work that conditions will do per share of it.
+  struct Outlook {
+    std::vector<double> kinetic, momentum[3];  // [J], [kg m/s]
+    std::int64_t external = 0;  // [energy quanta]
+  };
+  Outlook look_ahead(const Model& model, const Step& next, const Ledger& ledger) const;
+  /// A node on its way through a step, when its conditions have been asked.
+  struct Passage {
+    int node = 0;
+    std::uint64_t always = 0;
+    Vec3 before, free_flight, after;  // [m/s]
+  };
+  void count(const Model& model, const Step& step, const std::vector<HalfSpace>& planes, const Passage& p,
+             Ledger& ledger) const;
   void advance_guarded(Model& model, const Step& step, const std::vector<HalfSpace>& planes, Ledger& ledger);
 
   const Constraints& constraints_;
+  SideBooks* books_ = nullptr;
   std::vector<double> saved_, old_load_velocity_;
 };
 

@@ -201,6 +201,16 @@ ContactLoad Simulation::load() const {
   return sum;
 }
 
+void Simulation::keep_side_books(bool of_reactions, bool of_contacts) {
+  if (of_reactions) {
+    side_books_.keep_reactions(model_);
+    integrator_.split_reactions(side_books_);
+  }
+  if (!of_contacts) return;
+  side_books_.keep_contacts(model_);
+  side_books_.take_contacts(contacts_);
+}
+
 std::string Simulation::setter_name(StepLimit limit, std::int64_t id) {
   switch (limit) {
     case StepLimit::growth:
@@ -227,7 +237,9 @@ void Simulation::run() {
     last_id_ = reduction_.least_id;
     {
       const auto scope = timers_.measure("nodes");
+      side_books_.before_kick(model_);
       integrator_.kick_and_drift(model_, step, load_, ledger_);
+      side_books_.after_kick(model_, step, ledger_);
       erosion_->drop_free_nodes(model_, ledger_);
     }
     rebalance(step);
@@ -279,6 +291,7 @@ void Simulation::add_contact_forces(const Step& step) {
     copy_to_ghosts(model_, model_.nodes.force.data(), 4);
   }
   load_ = load();
+  side_books_.take_contacts(contacts_);
 }
 
 void Simulation::reduce(const Step& step, ElementReport report) {
@@ -405,6 +418,8 @@ void Simulation::resume(const Progress& p) {
     load_.force.insert(load_.force.end(), {f[0], f[1], f[2], 0});
     load_.friction.insert(load_.friction.end(), {f[3], f[4], f[5], 0});
   }
+  for (std::size_t k = 0; k < p.force_of_contact.size(); ++k)
+    side_books_.restore_load(model_, k, p.force_of_contact[k]);
 }
 
 // A node that races is the more telling of the two: the energies it leads to may be no numbers any more.

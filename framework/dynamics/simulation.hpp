@@ -13,6 +13,7 @@
 #include "dynamics/clock.hpp"
 #include "dynamics/element_loop.hpp"
 #include "dynamics/integrator.hpp"
+#include "dynamics/side_books.hpp"
 #include "erosion/erosion.hpp"
 #include "erosion/record.hpp"
 #include "model/ledger.hpp"
@@ -46,6 +47,8 @@ class Simulation {
   Simulation(MPI_Comm comm, const ModelInput& input, const Registry& registry);
 
   void observe(StepObserver& observer) { observers_.push_back(&observer); }
+  /// Keeps books per boundary condition or per contact definition from now on.
+  void keep_side_books(bool of_reactions, bool of_contacts);
   /// Runs to the end, or until a signal. Throws PhysicsError on all ranks where the run goes wrong.
   void run();
   bool stopped_by_signal() const { return signalled_; }
@@ -65,6 +68,10 @@ class Simulation {
   bool any_eroded() const;
   /// Books at the present time. Collective.
   Balance sample();
+  /// The terms of the kinetic energy in sample(), per node; zero for ghosts [J]. Local.
+  std::vector<double> kinetic_energies() const { return integrator_.kinetic_energies(model_, next_step(), ledger_); }
+  const SideBooks& side_books() const { return side_books_; }
+  SideBooks& side_books() { return side_books_; }
   /// Throws PhysicsError where energy grows or a node races. Collective.
   void check(const Balance& balance) const;
   /// Contact forces of the last step on the nodes that this rank owns.
@@ -92,6 +99,7 @@ class Simulation {
     double first_stable = 0.0, contact_step = 0.0;
     std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>
         contact_force;  // and friction; by node id, any superset
+    std::vector<std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>> force_of_contact;  // where books are kept
   };
   /// Collective.
   Progress progress() const;
@@ -123,6 +131,7 @@ class Simulation {
   Balancer balancer_;
   Constraints constraints_;
   Integrator integrator_{constraints_};
+  SideBooks side_books_;
   std::unique_ptr<Erosion> erosion_;
   std::vector<std::unique_ptr<ContactEngine>> contacts_;
   std::vector<StepObserver*> observers_;

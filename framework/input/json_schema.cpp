@@ -149,7 +149,7 @@ std::string json_schema(const Registry& registry) {
   Json definitions = Json::object();
   // Every kind that the input mentions must resolve, also one of which nothing is registered.
   for (const char* kind :
-       {"material", "eos", "erosion", "element", "mesh", "contact", "boundary", "measure", "partitioner"})
+       {"material", "eos", "erosion", "element", "mesh", "contact", "boundary", "measure", "observer", "partitioner"})
     definitions[kind] = kind_schema(registry, kind);
   for (const std::string& kind : registry.kinds()) {
     definitions[kind] = kind_schema(registry, kind);

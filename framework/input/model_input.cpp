@@ -1,6 +1,9 @@
 // Declarations of the blocks of the input file.
 #include "input/model_input.hpp"
 
+#include <fmt/format.h>
+
+#include "input/output_fields.hpp"
 #include "kerf/measure.hpp"
 
 namespace kerf {
@@ -136,10 +139,11 @@ void OutputInput::describe(Schema<OutputInput>& s) {
   s.choice(&OutputInput::precision, "precision", {"single", "double"}, "precision of the fields in results.vtkhdf")
       .by_default("single");
   s.texts(&OutputInput::element_fields, "element_fields",
-          "element fields to write: any of stress, pressure, density, internal_energy, von_mises, and every state "
-          "variable")
+          fmt::format("element fields to write: any of {}, and every state variable",
+                      fmt::join(element_field_names(), ", ")))
       .by_default("[pressure, von_mises, effective_plastic_strain]");
-  s.texts(&OutputInput::node_fields, "node_fields", "node fields to write: any of velocity, displacement, mass")
+  s.texts(&OutputInput::node_fields, "node_fields",
+          fmt::format("node fields to write: any of {}", fmt::join(node_field_names(), ", ")))
       .by_default("[velocity]");
 }
 
@@ -177,6 +181,7 @@ void ModelInput::describe(Schema<ModelInput>& s) {
   s.plugin_list(&ModelInput::boundaries, "boundaries", "boundary", "boundary conditions").optional();
   s.plugin_list(&ModelInput::contacts, "contacts", "contact", "contact definitions").optional();
   s.plugin_map(&ModelInput::measures, "measures", "measure", "numbers that go to summary.json, by name").optional();
+  s.plugin_map(&ModelInput::observers, "observers", "observer", "what is watched during the run, by name").optional();
   s.block(&ModelInput::balance, "balance", "distribution over ranks and re-balancing").by_default("{}");
   s.block(&ModelInput::output, "output", "what is written, and how often").by_default("{}");
   s.block(&ModelInput::checks, "checks", "when a run that goes wrong is stopped, and what becomes of free nodes")

@@ -15,6 +15,7 @@
 #include "kerf/erosion.hpp"
 #include "kerf/material.hpp"
 #include "kerf/mesh.hpp"
+#include "kerf/observer.hpp"
 #include "kerf/partitioner.hpp"
 #include "kerf/schema.hpp"
 #include "kerf/solid.hpp"
@@ -118,6 +119,7 @@ struct ModelInput {
   std::vector<std::unique_ptr<Boundary>> boundaries;
   std::vector<std::unique_ptr<Contact>> contacts;
   std::vector<std::unique_ptr<Measure>> measures;
+  std::vector<std::unique_ptr<Observer>> observers;
   BalanceInput balance;
   OutputInput output;
   ChecksInput checks;

@@ -87,6 +87,7 @@ const std::map<std::string, std::string>& theory_pages() {
   static const std::map<std::string, std::string> pages = {
       {"boundary", "boundaries"}, {"contact", "contact"},    {"eos", "eos"},
       {"erosion", "erosion"},     {"material", "materials"}, {"measure", "measures"},
+      {"observer", "observers"},
       {"partitioner", "parallel"}};
   return pages;
 }

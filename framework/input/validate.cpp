@@ -5,6 +5,7 @@
 
 #include "core/units.hpp"
 #include "input/node_choice.hpp"
+#include "input/output_fields.hpp"
 #include "input/parameter_text.hpp"
 #include "input/placement.hpp"
 #include "input/read_model.hpp"
@@ -78,6 +79,7 @@ class Validator {
     require_all(model_.boundaries, "boundaries", "Boundary");
     require_all(model_.contacts, "contacts", "Contact");
     require_all(model_.measures, "measures", "Measure");
+    require_all(model_.observers, "observers", "Observer");
     require(model_.balance.partitioner.get(), "balance.partitioner", "Partitioner");
   }
 
@@ -170,10 +172,12 @@ class Validator {
 
   template <class Item>
   void check_names(const Item& item, const Names& names, const char* what, const char* plural) {
-    if (!item) return;
-    for (const std::string& name : item->references())
+    if (item) check_words(*item, item->references(), names, what, plural);
+  }
+  void check_words(const Plugin& item, const Names& used, const Names& names, const char* what, const char* plural) {
+    for (const std::string& name : used)
       if (!contains(names, name))
-        diagnostics_.error(origins_.find_text(item->origin, name),
+        diagnostics_.error(origins_.find_text(item.origin, name),
                            fmt::format("there is no {} \"{}\"{}", what, name, suggestion(name, names, plural)));
   }
 
@@ -184,6 +188,7 @@ class Validator {
     for (const auto& item : model_.boundaries) check_names(item, both, "part or set", "the parts and sets");
     for (const auto& item : model_.contacts) check_names(item, both, "part or set", "the parts and sets");
     for (const auto& item : model_.measures) check_names(item, parts_, "part", "the parts");
+    for (const auto& item : model_.observers) check_names(item, parts_, "part", "the parts");
   }
 
   static void add_variables(Names& names, const Law* law) {
@@ -283,9 +288,8 @@ class Validator {
   }
 
   void check_fields() {
-    // The last stands in the default of `element_fields`, whether or not a material has it.
-    Names element_fields = {"stress",          "pressure",  "density",
-                            "internal_energy", "von_mises", "effective_plastic_strain"};
+    Names element_fields = element_field_names();
+    element_fields.push_back("effective_plastic_strain");  // stands in the default, whether or not a material has it
     bool complete = true;
     for (const auto& material : model_.materials) {
       complete = complete && is_complete(*material);
@@ -296,7 +300,11 @@ class Validator {
       add_variables(element_fields, part->element.get());
     }
     if (complete) check_list(model_.output.element_fields, element_fields, "element_fields");
-    check_list(model_.output.node_fields, {"velocity", "displacement", "mass"}, "node_fields");
+    for (const auto& item : model_.observers) {
+      if (item && complete) check_words(*item, item->element_fields(), element_fields, "field", "the fields");
+      if (item) check_words(*item, item->node_fields(), node_field_names(), "node field", "the node fields");
+    }
+    check_list(model_.output.node_fields, node_field_names(), "node_fields");
   }
   void check_list(const Names& used, const Names& known, const std::string& key) {
     Names fields, seen;

@@ -79,7 +79,8 @@ std::vector<std::string> Constraints::complaints(const Model& model) const {
 }
 
 Vec3 Constraints::constrain(const Model& model, int i, std::uint64_t always, const Step& step,
-                            const std::vector<HalfSpace>& planes, Vec3 old_velocity, Vec3 velocity) const {
+                            const std::vector<HalfSpace>& planes, Vec3 old_velocity, Vec3 velocity,
+                            Vec3* after_each) const {
   const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), old_velocity};
   const BoundaryStep when{step.start + 0.5 * step.dt, step.dt};
   const auto& boundaries = model.input->boundaries;
@@ -87,6 +88,7 @@ Vec3 Constraints::constrain(const Model& model, int i, std::uint64_t always, con
     const bool near =
         (near_[i] >> b & 1u) != 0 && dot(planes[b].normal, node.position + velocity * step.dt) < planes[b].offset;
     if (near || (always >> b & 1u) != 0) velocity = boundaries[b]->constrain(node, when, velocity);
+    if (after_each != nullptr) after_each[b] = velocity;
   }
   return velocity;
 }

@@ -41,8 +41,10 @@ class Constraints {
   static std::vector<HalfSpace> regions(const Model& model, const Step& step);
   /// The velocity that the conditions leave of a free flight from the node's present position [m/s]. Conditions with a
   /// region are asked only if the flight, as changed by the conditions before them, ends there.
+  /// `after_each`, where given, receives the velocity that each condition leaves, in the order of the input.
   Vec3 constrain(const Model& model, int node, std::uint64_t always, const Step& step,
-                 const std::vector<HalfSpace>& planes, Vec3 old_velocity, Vec3 velocity) const;
+                 const std::vector<HalfSpace>& planes, Vec3 old_velocity, Vec3 velocity,
+                 Vec3* after_each = nullptr) const;
 
  private:
   std::vector<Constrained> constrained_;  // by node

@@ -69,36 +69,27 @@ void Ledger::close(const Model& model, Balance& b) const {
       mass[at] = live ? m[s] : 0.0;
     }
   }
-  std::int64_t sums[13] = {accounts.hourglass,
-                           accounts.eroded_internal,
-                           accounts.eroded_viscous,
-                           accounts.dropped_kinetic,
-                           accounts.impulse[0],
-                           accounts.impulse[1],
-                           accounts.impulse[2],
-                           accounts.dropped_momentum[0],
-                           accounts.dropped_momentum[1],
-                           accounts.dropped_momentum[2],
-                           accounts.dropped_mass,
-                           accounts.eroded_elements,
-                           0};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 13, MPI_INT64_T, MPI_SUM, model.comm);
-  const double q = model.quanta.energy;
+  AccountNumbers numbers = numbers_of(accounts);
+  MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_INT64_T, MPI_SUM, model.comm);
+  const Accounts all = b.totals = accounts_of(numbers);
   const std::vector<double> totals = order_free_sums(model.comm, {internal, viscous, mass});
+  b.energy_quantum = model.quanta.energy;
+  b.initial = initial_energy;
   b.internal = totals[0];
-  b.bulk_viscosity = totals[1] + static_cast<double>(sums[2]) * q;
-  b.hourglass = static_cast<double>(sums[0]) * q;
-  b.eroded = static_cast<double>(sums[1] + sums[3]) * q;
-  b.impulse =
-      Vec3{static_cast<double>(sums[4]), static_cast<double>(sums[5]), static_cast<double>(sums[6])} * momentum_quantum;
-  b.dropped_momentum =
-      Vec3{static_cast<double>(sums[7]), static_cast<double>(sums[8]), static_cast<double>(sums[9])} * momentum_quantum;
-  b.dropped_mass = static_cast<double>(sums[10]) * mass_quantum;
-  b.eroded_elements = sums[11];
+  b.bulk_viscosity = totals[1] + b.joule(all.eroded_viscous);
+  b.hourglass = b.joule(all.hourglass);
+  b.eroded = b.joule(all.eroded_internal + all.dropped_kinetic);
+  const auto vector = [](const std::array<std::int64_t, 3>& q) {
+    return Vec3{static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])};
+  };
+  b.impulse = vector(all.impulse) * momentum_quantum;
+  b.dropped_momentum = vector(all.dropped_momentum) * momentum_quantum;
+  b.dropped_mass = static_cast<double>(all.dropped_mass) * mass_quantum;
+  b.eroded_elements = all.eroded_elements;
   b.live_mass = totals[2];
   b.free_mass = initial_mass - b.live_mass - b.dropped_mass;
   b.error = (b.total() - initial_energy - b.external) / reference(b);
-  b.let_go = let_go.total(model.comm);
+  b.let_go = total_of(model.comm, let_go);
 }
 
 double Ledger::reference(const Balance& b) const {
@@ -121,15 +112,15 @@ void LetGo::add(int part, std::int64_t mass_quanta, double depth, double time) {
   ++by_part[static_cast<std::size_t>(part)];
 }
 
-LetGo LetGo::total(MPI_Comm comm) const {
+LetGo total_of(MPI_Comm comm, const LetGo& mine) {
   LetGo all;
   // The negative of the first time, infinitely early where there is none, and the other things that are greatest.
-  double most[3] = {deepest, nodes > 0 ? -first_time : -1e300, static_cast<double>(by_part.size())};
+  double most[3] = {mine.deepest, mine.nodes > 0 ? -mine.first_time : -1e300, static_cast<double>(mine.by_part.size())};
   MPI_Allreduce(MPI_IN_PLACE, most, 3, MPI_DOUBLE, MPI_MAX, comm);
-  std::vector<std::int64_t> sums = by_part;
+  std::vector<std::int64_t> sums = mine.by_part;
   sums.resize(static_cast<std::size_t>(most[2]), 0);
-  sums.push_back(nodes);
-  sums.push_back(mass);
+  sums.push_back(mine.nodes);
+  sums.push_back(mine.mass);
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_INT64_T, MPI_SUM, comm);
   all.mass = sums.back();
   sums.pop_back();

@@ -200,6 +200,11 @@ void SharedFile::write_at(std::uint64_t place, std::span<const std::byte> bytes)
 void SharedFile::read_at(std::uint64_t place, std::span<std::byte> bytes) {
   attempt([&] { file_.read_at(place, bytes); });
 }
+void SharedFile::reach(std::uint64_t size) {
+  attempt([&] {
+    if (file_.size() < size) file_.cut(size);
+  });
+}
 void SharedFile::sync() {
   attempt([&] { file_.sync(); });
 }

@@ -73,6 +73,8 @@ class SharedFile {
 
   void write_at(std::uint64_t place, std::span<const std::byte> bytes);
   void read_at(std::uint64_t place, std::span<std::byte> bytes);
+  /// Makes the file this long where it is shorter.
+  void reach(std::uint64_t size);
   /// Waits until what this rank wrote is on the disk.
   void sync();
   /// Throws OutputError on all ranks where a transfer of any rank has failed. Collective.

@@ -145,9 +145,21 @@ std::uint64_t Hdf5File::allocate(std::uint64_t n_bytes) {
   return place;
 }
 
+/// Where the next image does not touch the present one.
+std::uint64_t Hdf5File::place_of_image() {
+  if (!takes_turns_) return allocate(0);
+  const std::uint64_t size = build_image(root, 0).bytes.size() + pack(root).size();
+  if (size > turn_size_) {
+    turn_size_ = 2 * size;
+    for (std::uint64_t& place : turns_) place = allocate(turn_size_);
+  }
+  turn_ = 1 - turn_;
+  return turns_[turn_];
+}
+
 void Hdf5File::commit() {
   Front front;
-  front.image = allocate(0);
+  front.image = place_of_image();
   Image image = build_image(root, front.image);
   front.image_size = image.bytes.size();
   const std::vector<std::byte> index = pack(root);
@@ -155,12 +167,13 @@ void Hdf5File::commit() {
   front.index_size = index.size();
   image.bytes.insert(image.bytes.end(), index.begin(), index.end());
   front.checksum = crc64(image.bytes);
-  end_ = front.image + image.bytes.size();
+  end_ = std::max(end_, front.image + image.bytes.size());
   front.file_size = end_;
 
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
   if (rank == 0) file_.write_at(front.image, image.bytes);
+  if (rank == 0 && takes_turns_) file_.reach(end_);  // storage may not have been written to its end
   file_.sync();
   file_.agree();  // all that the new state needs is on the disk
   if (rank == 0) {

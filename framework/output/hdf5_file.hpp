@@ -38,6 +38,9 @@ class Hdf5File {
   void agree() { file_.agree(); }
   /// Makes what was written and described the state of the file. Post: it is on the disk. Collective.
   void commit();
+  /// From now on the headers of one state and the next take turns in two places, so that many states do not make the
+  /// file grow. Pre: no dataset has chunks, since the index of chunks lies in the headers of earlier states.
+  void take_turns() { takes_turns_ = true; }
   /// Drops all storage from the end of what `root` describes on, where that is worth it. Pre: `root` has been
   /// committed. Collective.
   void shorten();
@@ -49,10 +52,13 @@ class Hdf5File {
   void open_on_root(std::vector<std::byte>& index, bool exact_size);
   void compare_pieces();
   std::uint64_t end_of_contents() const;
+  std::uint64_t place_of_image();
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   SharedFile file_;
   std::uint64_t end_ = 0;  // of all storage that was given out
+  bool takes_turns_ = false;
+  std::uint64_t turns_[2] = {}, turn_ = 0, turn_size_ = 0;  // places of images that take turns, and their size
 };
 
 }  // namespace kerf::hdf5

@@ -18,19 +18,10 @@ Json object_of(const std::map<std::string, Value>& values, Convert&& convert) {
   return object;
 }
 
-Json json_of(const Summary::Energy& e) {
-  return {{"initial", e.initial},
-          {"kinetic", e.kinetic},
-          {"internal", e.internal},
-          {"hourglass", e.hourglass},
-          {"bulk_viscosity", e.bulk_viscosity},
-          {"contact", e.contact},
-          {"external", e.external},
-          {"eroded", e.eroded},
-          {"balance_error", e.balance_error},
-          {"friction", e.friction},
-          {"contact_given_back", e.contact_given_back},
-          {"hourglass_given_back", e.hourglass_given_back}};
+Json json_of(const NamedNumbers& numbers) {
+  Json object = Json::object();
+  for (const auto& [name, value] : numbers) object[name] = value;
+  return object;
 }
 
 Json json_of(const Summary::Hourglass& h) {
@@ -99,6 +90,7 @@ std::string summary_text(const Summary& s) {
   });
   json["rebalances"] = Json::array();
   for (const Summary::Rebalance& r : s.rebalances) json["rebalances"].push_back(json_of(r));
+  json["observers"] = object_of(s.observers, [](const NamedNumbers& n) { return json_of(n); });
   // Names come from the user's file; a byte that is not UTF-8 must not cost the whole summary.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

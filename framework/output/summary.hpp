@@ -8,20 +8,27 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace kerf {
 
+/// Numbers by name, in the order in which they were first named.
+class NamedNumbers {
+ public:
+  double& operator[](const std::string& name) {
+    for (auto& [known, value] : numbers_)
+      if (known == name) return value;
+    return numbers_.emplace_back(name, 0.0).second;
+  }
+  auto begin() const { return numbers_.begin(); }
+  auto end() const { return numbers_.end(); }
+
+ private:
+  std::vector<std::pair<std::string, double>> numbers_;
+};
+
 struct Summary {
-  struct Energy {  // [J]
-    double initial = 0.0, kinetic = 0.0, internal = 0.0, hourglass = 0.0, bulk_viscosity = 0.0, contact = 0.0,
-           external = 0.0, eroded = 0.0;
-    /// (all energies at the end, eroded included, minus initial minus external work) / max(initial, external).
-    double balance_error = 0.0;  // [-]
-    double friction = 0.0;  // the share of friction in contact; the rest is lost in impacts
-    double contact_given_back = 0.0;  // by contact, without friction, beyond all that it has taken
-    double hourglass_given_back = 0.0;  // by hourglass control, beyond all that it has taken
-  };
   /// Nodes that contact has let go of: they came to lie too deep inside a body.
   struct ContactLetGo {
     std::int64_t nodes = 0;
@@ -70,7 +77,7 @@ struct Summary {
   double element_cycles_per_second = 0.0;
   std::string state_hash;  // hexadecimal
   std::string exit;  // "completed" or why the run ended
-  Energy energy;
+  NamedNumbers energy;  // the lines of the books that are energies [J], and the balance error
   Hourglass hourglass;
   ContactLetGo contact_let_go;
   Momentum momentum;
@@ -82,6 +89,7 @@ struct Summary {
   std::vector<std::string> warnings;  // of the check before the first step, then of the whole run
   std::map<std::string, Timer> timers;
   std::vector<Rebalance> rebalances;
+  std::map<std::string, NamedNumbers> observers;  // numbers of each; NaN as with measures
 };
 
 /// The text of summary.json. Numbers that are not finite become null, which JSON has no other way to say.

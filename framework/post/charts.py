@@ -1,4 +1,4 @@
-"""Charts over time from history.csv: energies, balance, eroded elements, load imbalance."""
+"""Charts over time: energies, balance, erosion and imbalance from history.csv, and the columns of history.h5."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ ENERGIES = {
     "kinetic": "#2b6cb0", "internal": "#c05621", "hourglass": "#805ad5", "bulk_viscosity": "#2f855a",
     "contact": "#b7791f", "external": "#718096", "eroded": "#c53030",
 }
+SHARES = ("friction",)  # energies that another column contains
+MORE_COLOURS = ("#319795", "#d53f8c", "#975a16", "#4a5568")  # of energies that have no colour of their own
+MOST_CURVES = 12  # of one unit, that a chart can show
 
 
 def plain(text: str) -> str:
@@ -35,16 +38,18 @@ def style(axes, label: str) -> None:
         axes.spines[side].set_visible(False)
 
 
-def plot_energies(history: dict[str, np.ndarray], title: str, path: Path) -> None:
-    """Every energy over time, their sum, and below it the balance error."""
+def plot_energies(history: dict[str, np.ndarray], names: list[str], title: str, path: Path) -> None:
+    """The named energies over time, their sum, and below it the balance error."""
     time = history["time"] * 1.0e6
-    present = {name: history[name] for name in ENERGIES if name in history}
+    present = {name: history[name] for name in names if name in history and name not in SHARES}
+    more = [name for name in present if name not in ENERGIES]
+    colours = ENERGIES | {name: MORE_COLOURS[i % len(MORE_COLOURS)] for i, name in enumerate(more)}
     factor, prefix = engineering(np.concatenate(list(present.values())))
     figure = Figure(figsize=(9.0, 6.5), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     for name, values in present.items():
         if np.any(values != 0.0):
-            above.plot(time, values * factor, color=ENERGIES[name], label=name.replace("_", " "), linewidth=1.8)
+            above.plot(time, values * factor, color=colours[name], label=name.replace("_", " "), linewidth=1.8)
     total = sum(values for name, values in present.items() if name != "external")
     above.plot(time, total * factor, color="black", linestyle="--", linewidth=1.2, label="sum")
     style(above, f"energy [{prefix}J]")
@@ -76,3 +81,35 @@ def plot_progress(history: dict[str, np.ndarray], title: str, path: Path) -> Non
     step.set_xlabel("time [µs]")
     figure.suptitle(title)
     figure.savefig(path, dpi=140)
+
+
+def plot_observer(columns: dict[str, np.ndarray], units: dict[str, str], title: str, path: Path) -> list[str]:
+    """The columns of one observer over time, those of one unit in one chart. Returns the columns that are left out,
+    because there are too many for a chart or because they have no value at all."""
+    time = columns["time"] * 1.0e6
+    by_unit: dict[str, list[str]] = {}
+    left_out = []
+    for name, values in columns.items():
+        if name == "time" or name == "id":
+            continue
+        unit = units.get(name, "-")
+        if np.any(np.isfinite(values)) and len(by_unit.get(unit, [])) < MOST_CURVES:
+            by_unit.setdefault(unit, []).append(name)
+        else:
+            left_out.append(name)
+    if not by_unit:
+        return left_out
+    figure = Figure(figsize=(9.0, 1.0 + 2.7 * len(by_unit)), layout="constrained")
+    charts = np.atleast_1d(figure.subplots(len(by_unit), 1, sharex=True))
+    for axes, (unit, names) in zip(charts, by_unit.items()):
+        finite = np.concatenate([columns[name][np.isfinite(columns[name])] for name in names])
+        scaled = unit not in ("-", "")
+        factor, prefix = engineering(finite) if scaled and not unit.startswith("kg") else (1.0, "")
+        for name in names:
+            axes.plot(time, columns[name] * factor, label=plain(name), linewidth=1.4)
+        style(axes, f"[{prefix}{unit}]")
+        axes.legend(frameon=False, fontsize="small", ncols=2)
+    charts[-1].set_xlabel("time [µs]")
+    figure.suptitle(title)
+    figure.savefig(path, dpi=140)
+    return left_out

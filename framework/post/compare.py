@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 try:
     import numpy as np
-    from results import ResultsError, read_history, read_summary
+    from results import ResultsError, read_history, read_observers, read_summary
 except ModuleNotFoundError as error:
     sys.exit(f"kerf compare: the Python package {error.name} is missing; ./kerf build installs it, unless KERF_PYTHON "
              "names another Python")
@@ -79,7 +79,8 @@ def compare_summaries(a: dict, b: dict, tolerance: float, every: bool) -> int:
     return differing
 
 
-def compare_histories(a: dict[str, np.ndarray], b: dict[str, np.ndarray], tolerance: float) -> int:
+def compare_histories(a: dict[str, np.ndarray], b: dict[str, np.ndarray], tolerance: float,
+                      title: str = "history") -> int:
     """Prints the largest difference of each column over the common time span, in parts of the column's range.
 
     A number that is none (nan) in one of the two alone is an infinite difference, a column that one of the two lacks is
@@ -87,17 +88,17 @@ def compare_histories(a: dict[str, np.ndarray], b: dict[str, np.ndarray], tolera
     """
     rows = [len(history.get("time", [])) for history in (a, b)]
     if rows == [0, 0]:
-        print("history: missing or empty in both, not compared")
+        print(f"{title}: missing or empty in both, not compared")
         return 0
     if 0 in rows:
-        print(f"* history: missing or empty in {'AB'[rows.index(0)]}")
+        print(f"* {title}: missing or empty in {'AB'[rows.index(0)]}")
         return 1
     lacking = [f"{name} (only in {'A' if name in a else 'B'})" for name in sorted(set(a) ^ set(b))]
     if lacking:
-        print(f"* history: columns of one run alone: {', '.join(lacking)}")
+        print(f"* {title}: columns of one run alone: {', '.join(lacking)}")
     differing = len(lacking)
     time = a["time"][a["time"] <= b["time"][-1]]
-    print(f"\nhistory, {len(a['time'])} and {len(b['time'])} rows: largest difference of each column, and when")
+    print(f"\n{title}, {len(a['time'])} and {len(b['time'])} rows: largest difference of each column, and when")
     for name in a:
         if name == "time" or name not in b or len(time) == 0:
             continue
@@ -126,11 +127,12 @@ def main() -> int:
     arguments = parser.parse_args()
     if not arguments.tolerance >= 0.0:
         parser.error("--tolerance has to be a number that is not negative")
-    summaries, histories = [], []
+    summaries, histories, observers = [], [], []
     try:
         for folder in (arguments.a, arguments.b):
             summaries.append(read_summary(folder))
             histories.append(read_history(folder / "history.csv"))
+            observers.append(read_observers(folder / "history.h5"))
             if not summaries[-1]:
                 raise ResultsError(f"there is no {folder / 'summary.json'}")
     except ResultsError as error:
@@ -138,6 +140,9 @@ def main() -> int:
         return 1
     differing = compare_summaries(*summaries, arguments.tolerance, arguments.all)
     differing += compare_histories(*histories, arguments.tolerance)
+    for name in sorted(set(observers[0]) | set(observers[1])):
+        pair = [of_run.get(name, {}) for of_run in observers]
+        differing += compare_histories(*pair, arguments.tolerance, f"observer {name}")
     hashes = [summary.get("state_hash", "") for summary in summaries]
     same_state = bool(hashes[0]) and hashes[0] == hashes[1]
     print(f"\nstate hash: {'the same' if same_state else 'different'} ({hashes[0] or 'none'}, {hashes[1] or 'none'})")

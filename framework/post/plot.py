@@ -7,6 +7,7 @@ cut.png              a cut through the model at several times, coloured by a fie
 overview.png         the bodies cut open, halfway and at the end
 energies.png         energies and their balance over time
 progress.png         eroded elements, load imbalance and time step over time
+observer_NAME.png    the columns of an observer over time
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ try:
     matplotlib.use("Agg")
     import charts
     import pictures
-    from results import Results, ResultsError, read_history, read_summary
+    from results import Results, ResultsError, energies_of, read_history, read_observers, read_summary, units_of_observers
 except ModuleNotFoundError as error:
     sys.exit(f"kerf plot: the Python package {error.name} is missing; ./kerf build installs it, unless KERF_PYTHON "
              "names another Python")
@@ -82,6 +83,20 @@ def title_of(folder: Path, summary: dict) -> str:
     return charts.plain(textwrap.fill(name, width) + (between + ", ".join(facts) if facts else ""))
 
 
+def draw_observers(folder: Path, title: str, into: Path, drawn: list[str], notes: list[str]) -> None:
+    units = units_of_observers(folder / "history.h5")
+    for name, columns in read_observers(folder / "history.h5").items():
+        if len(columns.get("time", [])) == 0:
+            notes.append(f"the observer {name} has filled no row")
+            continue
+        path = into / f"observer_{name}.png"
+        left_out = charts.plot_observer(columns, units[name], f"{title}  ·  {charts.plain(name)}", path)
+        if path.exists():
+            drawn.append(path.name)
+        if left_out:
+            notes.append(f"{path.name} leaves out {len(left_out)} columns of the observer {name}: {', '.join(left_out)}")
+
+
 def draw(folder: Path, arguments: argparse.Namespace, into: Path, drawn: list[str], notes: list[str]) -> None:
     """Draws what can be drawn and adds its names to `drawn`; why the rest cannot be drawn goes into `notes`."""
     summary = {}
@@ -94,11 +109,16 @@ def draw(folder: Path, arguments: argparse.Namespace, into: Path, drawn: list[st
         history = read_history(folder / "history.csv")
         if len(history.get("time", [])) == 0:
             raise ResultsError("history.csv is missing or empty: no charts over time")
-        if any(name in history for name in charts.ENERGIES):
-            charts.plot_energies(history, title, into / "energies.png")
+        energies = energies_of(folder / "history.csv")
+        if energies:
+            charts.plot_energies(history, energies, title, into / "energies.png")
             drawn.append("energies.png")
         charts.plot_progress(history, title, into / "progress.png")
         drawn.append("progress.png")
+    except ResultsError as error:
+        notes.append(str(error))
+    try:
+        draw_observers(folder, title, into, drawn, notes)
     except ResultsError as error:
         notes.append(str(error))
     try:

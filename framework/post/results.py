@@ -1,4 +1,4 @@
-"""Reads what a run has written: results.vtkhdf, history.csv, erosion.csv and summary.json."""
+"""Reads what a run has written: results.vtkhdf, history.csv, history.h5, erosion.csv and summary.json."""
 
 from __future__ import annotations
 
@@ -55,6 +55,36 @@ def columns_of(path: Path) -> dict[str, np.ndarray]:
     values = [row for row in rows[1:] if len(row) == len(names)]
     table = np.array(values, dtype=float).reshape(len(values), len(names))
     return {name: table[:, i] for i, name in enumerate(names)}
+
+
+def energies_of(path: Path) -> list[str]:
+    """The names of the columns of history.csv that are energies."""
+    if not path.exists():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        header = next(csv.reader(file), [])
+    return [name.split("[")[0].strip() for name in header if name.endswith("[J]")]
+
+
+def read_observers(path: Path) -> dict[str, dict[str, np.ndarray]]:
+    """The columns of history.h5 by observer: {'nose': {'time': ..., 'pressure': ...}}."""
+    if not path.exists():
+        return {}
+    try:
+        with h5py.File(path, "r") as file:
+            return {name: {column: data[()] for column, data in group.items()} for name, group in file.items()}
+    except (OSError, KeyError, RuntimeError, ValueError) as error:
+        raise ResultsError(f"{path} cannot be read: {error}") from error
+
+
+def units_of_observers(path: Path) -> dict[str, dict[str, str]]:
+    """The units of these columns: {'nose': {'time': 's', 'pressure': 'Pa'}}."""
+    if not path.exists():
+        return {}
+    before = "unit of "
+    with h5py.File(path, "r") as file:
+        return {name: {key[len(before):]: bytes(np.bytes_(group.attrs[key])).decode("utf-8").rstrip("\0")
+                       for key in group.attrs if key.startswith(before)} for name, group in file.items()}
 
 
 def require_whole_frames(path: Path) -> None:

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "core/diagnostics.hpp"
 #include "model/migrator.hpp"
@@ -13,6 +14,50 @@
 namespace kerf {
 
 namespace {
+
+/// Force and friction of each owned node, six numbers one after another.
+std::vector<std::int64_t> forces_of(const NodeStore& nodes, const ContactLoad& load) {
+  std::vector<std::array<std::int64_t, 6>> of_node(static_cast<std::size_t>(nodes.n()));
+  for (std::size_t k = 0; k < load.nodes.size(); ++k)
+    for (std::size_t d = 0; d < 3; ++d) {
+      of_node[static_cast<std::size_t>(load.nodes[k])][d] = load.force[4 * k + d];
+      of_node[static_cast<std::size_t>(load.nodes[k])][3 + d] = load.friction[4 * k + d];
+    }
+  std::vector<std::int64_t> all;
+  for (std::size_t i = 0; i < of_node.size(); ++i)
+    if (nodes.owned[i] != 0) all.insert(all.end(), of_node[i].begin(), of_node[i].end());
+  return all;
+}
+
+void write_observers(RestartWriter& file, const Simulation& simulation, const std::vector<ObserverProgress>& observers) {
+  std::string names;
+  for (const ObserverProgress& o : observers) {
+    names += o.name + "\n";
+    file.write_attribute("observer_" + o.name, o.numbers);
+  }
+  if (!observers.empty()) file.write_attribute("observers", names);
+  const std::vector<std::int64_t> books = simulation.side_books().totals(simulation.model());
+  if (!books.empty()) file.write_attribute("side_books", books);
+}
+
+std::vector<ObserverProgress> read_observers(RestartReader& file) {
+  std::vector<ObserverProgress> all;
+  if (!file.has_attribute("observers")) return all;
+  std::istringstream names(file.text("observers"));
+  for (std::string name; std::getline(names, name);) all.push_back({name, file.reals("observer_" + name)});
+  return all;
+}
+
+/// Throws InputError where the file has other books than the observers of this run read.
+void read_side_books(RestartReader& file, const std::string& path, Simulation& simulation) {
+  std::vector<std::int64_t> books;
+  if (file.has_attribute("side_books")) books = file.integers("side_books");
+  if (simulation.model().rank() != 0) std::fill(books.begin(), books.end(), 0);
+  if (!simulation.side_books().restore(books))
+    throw InputError({fmt::format("{}: error: the run that wrote this file had other observers of contacts or "
+                                  "reactions; resume with the observers that the run began with",
+                                  path)});
+}
 
 void write_nodes(RestartWriter& file, Simulation& simulation) {
   const Model& model = simulation.model();
@@ -36,7 +81,12 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
     reals.insert(reals.end(),
                  {r.position[0], r.position[1], r.position[2], r.velocity[0], r.velocity[1], r.velocity[2], r.mass});
   }
-  file.write_entities("nodes", model.n_nodes, ids, {{"integers", 12, integers.data()}, {"reals", 7, reals.data()}});
+  std::vector<RestartColumn> columns{{"integers", 12, integers.data()}, {"reals", 7, reals.data()}};
+  std::vector<std::vector<std::int64_t>> of_contact;  // forces of single definitions, where books of them are kept
+  for (const ContactLoad& one : simulation.side_books().loads()) of_contact.push_back(forces_of(nodes, one));
+  for (std::size_t k = 0; k < of_contact.size(); ++k)
+    columns.push_back({fmt::format("contact_{}", k + 1), 6, of_contact[k].data()});
+  file.write_entities("nodes", model.n_nodes, ids, columns);
 }
 
 void write_elements(RestartWriter& file, const Model& model) {
@@ -58,41 +108,16 @@ void write_elements(RestartWriter& file, const Model& model) {
 }
 
 std::vector<std::int64_t> total_accounts(const Model& model, const Accounts& a) {
-  std::vector<std::int64_t> v{a.hourglass,
-                              a.contact,
-                              a.external,
-                              a.eroded_internal,
-                              a.eroded_viscous,
-                              a.dropped_kinetic,
-                              a.impulse[0],
-                              a.impulse[1],
-                              a.impulse[2],
-                              a.dropped_momentum[0],
-                              a.dropped_momentum[1],
-                              a.dropped_momentum[2],
-                              a.dropped_mass,
-                              a.eroded_elements,
-                              a.friction};
-  MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_INT64_T, MPI_SUM, model.comm);
-  return v;
+  AccountNumbers numbers = numbers_of(a);
+  MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_INT64_T, MPI_SUM, model.comm);
+  return {numbers.begin(), numbers.end()};
 }
 
-Accounts accounts_from(const std::vector<std::int64_t>& v) {
-  Accounts a;
-  a.hourglass = v.at(0);
-  a.contact = v.at(1);
-  a.external = v.at(2);
-  a.eroded_internal = v.at(3);
-  a.eroded_viscous = v.at(4);
-  a.dropped_kinetic = v.at(5);
-  for (int d = 0; d < 3; ++d) {
-    a.impulse[d] = v.at(6 + d);
-    a.dropped_momentum[d] = v.at(9 + d);
-  }
-  a.dropped_mass = v.at(12);
-  a.eroded_elements = v.at(13);
-  a.friction = v.at(14);
-  return a;
+/// Accounts that are younger than the file begin with zero.
+Accounts accounts_from(const std::vector<std::int64_t>& stored) {
+  AccountNumbers numbers{};
+  std::copy_n(stored.begin(), std::min(stored.size(), numbers.size()), numbers.begin());
+  return accounts_of(numbers);
 }
 
 /// Hands every rank the records of the nodes that its elements need, by way of each node's home rank.
@@ -121,7 +146,9 @@ std::vector<NodeRecord> deliver(const Model& model, const std::vector<NodeRecord
   return result;
 }
 
-ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Progress& progress) {
+/// `n_contacts`: definitions of which books are kept.
+ModelBundle read_bundle(RestartReader& file, const Model& model, std::size_t n_contacts,
+                        Simulation::Progress& progress) {
   ModelBundle bundle;
   bundle.parts.resize(model.parts.size());
   std::vector<std::int64_t> wanted;
@@ -160,6 +187,18 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Pro
     r.mass = reals[7 * i + 6];
     if (k[6] != 0 || k[7] != 0 || k[8] != 0) loads.push_back({r.id, {k[6], k[7], k[8], k[9], k[10], k[11]}});
   }
+  for (std::size_t c = 0; c < n_contacts; ++c) {
+    const auto& forces = e.integer(fmt::format("contact_{}", c + 1), 6);
+    std::vector<Load> of_contact;
+    for (std::size_t i = 0; i < share.size(); ++i) {
+      Load load{share[i].id, {}};
+      std::copy_n(&forces[6 * i], 6, load.force);
+      if (load.force[0] != 0 || load.force[1] != 0 || load.force[2] != 0) of_contact.push_back(load);
+    }
+    auto& by_node = progress.force_of_contact.emplace_back();
+    for (const auto& list : all_to_all(model.comm, std::vector(static_cast<std::size_t>(model.n_ranks()), of_contact)))
+      for (const Load& l : list) std::copy_n(l.force, 6, by_node[l.id].begin());
+  }
   // Who will own a node is not known yet: every rank gets all loads, which are few.
   std::vector<std::vector<Load>> to_all(static_cast<std::size_t>(model.n_ranks()), loads);
   for (const auto& list : all_to_all(model.comm, to_all))
@@ -184,11 +223,12 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   file.write_attribute("due", std::vector<double>{output.next_results, output.next_history, output.next_restart});
   file.write_attribute("eroded_by", output.eroded_by);
   file.write_attribute("accounts", total_accounts(model, simulation.ledger().accounts));
-  const LetGo let_go = simulation.ledger().let_go.total(model.comm);
+  const LetGo let_go = total_of(model.comm, simulation.ledger().let_go);
   std::vector<std::int64_t> let_go_counts{let_go.nodes, let_go.mass};
   let_go_counts.insert(let_go_counts.end(), let_go.by_part.begin(), let_go.by_part.end());
   file.write_attribute("let_go", let_go_counts);
   file.write_attribute("contact", std::vector<double>{let_go.deepest, let_go.first_time});
+  write_observers(file, simulation, output.observers);
   write_nodes(file, simulation);
   write_elements(file, model);
   file.finish();
@@ -216,7 +256,8 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   p.last_rebalance = counters.at(1);
   p.element_cycles = counters.at(2);
   p.reduction.least_id = counters.at(3);
-  assemble(model, read_bundle(file, model, p));
+  read_side_books(file, path, simulation);
+  assemble(model, read_bundle(file, model, simulation.side_books().loads().size(), p));
   simulation.ledger().accounts = model.rank() == 0 ? accounts_from(file.integers("accounts")) : Accounts{};
   const auto taken = file.reals("contact");
   simulation.ledger().let_go = {};
@@ -229,7 +270,7 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
                                   .first_time = taken.at(1)};
   }
   simulation.resume(p);
-  return {counters.at(4), due.at(0), due.at(1), due.at(2), file.integers("eroded_by")};
+  return {counters.at(4), due.at(0), due.at(1), due.at(2), file.integers("eroded_by"), read_observers(file)};
 }
 
 }  // namespace kerf

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "dynamics/simulation.hpp"
+#include "report/observer_host.hpp"
 
 namespace kerf {
 
@@ -12,6 +13,7 @@ struct OutputProgress {
   std::int64_t n_frames = 0;
   double next_results = 0.0, next_history = 0.0, next_restart = 0.0;  // [s]
   std::vector<std::int64_t> eroded_by;  // elements eroded so far, per part and criterion
+  std::vector<ObserverProgress> observers = {};
 };
 
 /// Collective.

@@ -12,6 +12,7 @@
 #include "output/file.hpp"
 #include "output/restart.hpp"
 #include "parallel/communicator.hpp"
+#include "report/due.hpp"
 #include "report/erosion_log.hpp"
 #include "report/result_fields.hpp"
 
@@ -21,24 +22,12 @@ namespace {
 
 std::string restart_path(const std::string& folder) { return folder + "/restart/restart.h5"; }
 
-const std::vector<HistoryColumn> history_columns = {{"time", "s"},
-                                                    {"dt", "s"},
-                                                    {"kinetic", "J"},
-                                                    {"internal", "J"},
-                                                    {"hourglass", "J"},
-                                                    {"bulk_viscosity", "J"},
-                                                    {"contact", "J"},
-                                                    {"friction", "J"},
-                                                    {"external", "J"},
-                                                    {"eroded", "J"},
-                                                    {"balance_error", "-"},
-                                                    {"momentum_x", "kg m/s"},
-                                                    {"momentum_y", "kg m/s"},
-                                                    {"momentum_z", "kg m/s"},
-                                                    {"mass", "kg"},
-                                                    {"eroded_count", "-"},
-                                                    {"let_go_count", "-"},
-                                                    {"imbalance", "-"}};
+std::vector<HistoryColumn> history_columns() {
+  std::vector<HistoryColumn> columns;
+  for (const BookLine& line : book_lines())
+    if ((line.places & in_history) != 0) columns.push_back({line.name, line.unit});
+  return columns;
+}
 
 // A run that is killed leaves neither a summary nor, if it started anew, a restart file: those of an earlier run would
 // be taken for its own. The newest restart file goes first, so that a kill between the two leaves the earlier run with
@@ -53,20 +42,17 @@ void remove_what_is_stale(const ReportSettings& settings) {
 
 double seconds_now() { return MPI_Wtime(); }
 
-/// The next time in a row of such after `now`; where they are closer than any number can tell, the next cycle.
-double next_due(double due, double interval, double now) {
-  constexpr int many = 100000;
-  for (int i = 0; i < many && due <= now; ++i) due += interval;
-  return due > now ? due : now + interval;
-}
-
 }  // namespace
 
 Reporter::Reporter(Simulation& simulation, const ModelInput& input, const ReportSettings& settings)
-    : simulation_(simulation), input_(input), settings_(settings), frames_(simulation.model(), input.output) {
+    : simulation_(simulation),
+      input_(input),
+      settings_(settings),
+      observers_(simulation, input),
+      frames_(simulation.model(), input.output) {
   const OutputInput& o = input.output;
   results_interval_ = o.results_interval > 0.0 ? o.results_interval : input.time.end / 20.0;
-  history_interval_ = o.history_interval > 0.0 ? o.history_interval : input.time.end / 200.0;
+  history_interval_ = history_interval(o, input.time);
   restart_interval_ = o.restart_interval;
   const Model& model = simulation.model();
   on_root(model.comm, [&] { make_folder(settings.folder); });
@@ -86,11 +72,12 @@ void Reporter::start_anew(const std::string& folder) {
   on_root(model.comm, [&] { remove_what_is_stale(settings_); });
   results_ = std::make_unique<ResultsWriter>(model.comm, folder + "results.vtkhdf", model.n_nodes, model.n_elements,
                                              input_.output.precision == "double");
-  history_ = std::make_unique<HistoryWriter>(model.comm, folder + "history.csv", history_columns);
+  history_ = std::make_unique<HistoryWriter>(model.comm, folder + "history.csv", history_columns());
   erosion_log_ = std::make_unique<ErosionLog>(model.comm, folder + "erosion.csv");
   write_topology(model, *results_);
   write_frame();
   write_history(false);
+  observers_.start(folder);
   due_.next_results = results_interval_;
   due_.next_history = history_interval_;
   due_.next_restart = restart_interval_;
@@ -107,8 +94,9 @@ void Reporter::resume(const std::string& folder) {
       ResultsWriter::reopen(model.comm, folder + "results.vtkhdf", static_cast<int>(due_.n_frames)));
   require_same_fields();  // before the tables are cut back
   history_ =
-      std::make_unique<HistoryWriter>(HistoryWriter::resume(model.comm, folder + "history.csv", history_columns, time));
+      std::make_unique<HistoryWriter>(HistoryWriter::resume(model.comm, folder + "history.csv", history_columns(), time));
   erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
+  observers_.resume(folder, due_.observers);
   last_ = simulation_.sample();
   // What the earlier run has written of this moment is not written again.
   if (results_->last_time() == time) last_frame_cycle_ = simulation_.clock().cycle();
@@ -167,12 +155,13 @@ void Reporter::require_same_fields() const {
 }
 
 void Reporter::after_step(Simulation& simulation, const Step& step) {
+  observers_.after_step(step);
   const auto scope = simulation.timers().measure("output");
   if (simulation.any_eroded()) {
     count_eroded(simulation.eroded_now());
     erosion_log_->append(simulation.model().comm, simulation.eroded_now());
   }
-  const double tolerance = 1e-9 * input_.time.end;
+  const double tolerance = due_tolerance(input_.time);
   if (step.end() >= due_.next_history - tolerance) {
     due_.next_history = next_due(due_.next_history, history_interval_, step.end() + tolerance);
     write_history(true);
@@ -215,34 +204,22 @@ void Reporter::write_frame() {
 void Reporter::write_history(bool check) {
   last_ = simulation_.sample();
   last_history_cycle_ = simulation_.clock().cycle();
-  const Balance& b = last_;
-  const double row[] = {b.time,
-                        simulation_.clock().last_dt(),
-                        b.kinetic,
-                        b.internal,
-                        b.hourglass,
-                        b.bulk_viscosity,
-                        b.contact,
-                        b.friction,
-                        b.external,
-                        b.eroded,
-                        b.error,
-                        b.momentum.x,
-                        b.momentum.y,
-                        b.momentum.z,
-                        b.live_mass + b.free_mass,
-                        static_cast<double>(b.eroded_elements),
-                        static_cast<double>(b.let_go.nodes),
-                        Balancer::imbalance(simulation_.model())};
+  last_.dt = simulation_.clock().last_dt();
+  last_.imbalance = Balancer::imbalance(simulation_.model());
+  std::vector<double> row;
+  for (const BookLine& line : book_lines())
+    if ((line.places & in_history) != 0) row.push_back(line.value(last_));
   history_->write(row);
-  if (check) simulation_.check(b);
+  if (check) simulation_.check(last_);
 }
 
 void Reporter::write_restart() {
   on_root(simulation_.model().comm, [&] { make_folder(settings_.folder + "/restart"); });
   history_->sync();  // rows up to the time of the restart file must be there when it is
+  observers_.sync();
   erosion_log_->sync();
   due_.n_frames = results_->n_frames();
+  due_.observers = observers_.progress();
   due_.eroded_by = eroded_by_;
   MPI_Allreduce(MPI_IN_PLACE, due_.eroded_by.data(), static_cast<int>(due_.eroded_by.size()), MPI_INT64_T, MPI_SUM,
                 simulation_.model().comm);
@@ -269,6 +246,7 @@ void Reporter::finish(const std::string& exit) {
     const auto scope = simulation_.timers().measure("output");
     if (last_history_cycle_ != simulation_.clock().cycle()) write_history(false);
     if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
+    observers_.finish();
     const bool wanted = exit == "signal" || (exit == "completed" && input_.output.restart_at_end);
     if (wanted && last_restart_cycle_ != simulation_.clock().cycle()) write_restart();
     results_->close();

@@ -11,6 +11,7 @@
 #include "output/summary.hpp"
 #include "report/checkpoint.hpp"
 #include "report/erosion_log.hpp"
+#include "report/observer_host.hpp"
 #include "report/result_fields.hpp"
 
 namespace kerf {
@@ -28,6 +29,8 @@ class Reporter final : public StepObserver {
   Reporter(Simulation& simulation, const ModelInput& input, const ReportSettings& settings);
   ~Reporter() override;
 
+  void before_forces(Model&, const Step& step) override { observers_.before_forces(step); }
+  void after_forces(Model&, const Step& step) override { observers_.after_forces(step); }
   void after_step(Simulation& simulation, const Step& step) override;
   /// Last frame, last row, summary, closing table. `exit` is "completed", "signal", or what went wrong. Collective.
   void finish(const std::string& exit);
@@ -54,6 +57,7 @@ class Reporter final : public StepObserver {
   Simulation& simulation_;
   const ModelInput& input_;
   ReportSettings settings_;
+  ObserverHost observers_;
   std::unique_ptr<ResultsWriter> results_;
   FrameWriter frames_;
   std::unique_ptr<HistoryWriter> history_;

@@ -2,120 +2,13 @@
 #include "report/result_fields.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/assert.hpp"
-#include "kerf/lanes.hpp"
+#include "input/output_fields.hpp"
 #include "model/reference_position.hpp"
+#include "report/field_values.hpp"
 
 namespace kerf {
-
-namespace {
-
-/// Calls `rows(block, to)`, which fills n rows of a block, for all blocks of a part, and lists what live elements have
-/// there, n values one after another. Returns the end.
-template <int n, class Rows>
-double* copy_elements(const PartStore& store, double* out, const Rows& rows) {
-  alignas(64) double block_rows[n][lane_width];
-  for (int block = 0; block < store.n_blocks(); ++block) {
-    rows(block, block_rows);
-    const int first = block * lane_width, used = std::min(lane_width, store.n_slots() - first);
-    for (int lane = 0; lane < used; ++lane) {
-      if (!store.live(first + lane)) continue;
-      for (int c = 0; c < n; ++c) *out++ = block_rows[c][lane];
-    }
-  }
-  return out;
-}
-
-/// One component of a field, block by block.
-class Component {
- public:
-  Component(const PartStore& store, PartStore::FieldIndex field, int component = 0)
-      : field_(store.field(field)), component_(component) {}
-  void read(int block, double (&row)[lane_width]) const {
-    const std::size_t first = field_.index(block * lane_width, component_);
-    if (field_.is_single)
-      std::copy_n(&field_.single_data[first], lane_width, row);
-    else
-      std::copy_n(&field_.data[first], lane_width, row);
-  }
-
- private:
-  const Field& field_;
-  int component_;
-};
-
-/// Components of the deviator, then pressure.
-class Stress {
- public:
-  explicit Stress(const PartStore& store) : pressure_(store, PartStore::pressure) {
-    for (int c = 0; c < 6; ++c) deviator_.emplace_back(store, PartStore::deviator, c);
-  }
-  void read_deviator(int block, double (&s)[6][lane_width]) const {
-    for (int c = 0; c < 6; ++c) deviator_[c].read(block, s[c]);
-  }
-  void read(int block, double (&s)[6][lane_width]) const {
-    alignas(64) double pressure[lane_width];
-    read_deviator(block, s);
-    pressure_.read(block, pressure);
-    for (int c = 0; c < 3; ++c)
-      for (int l = 0; l < lane_width; ++l) s[c][l] -= pressure[l];
-  }
-
- private:
-  std::vector<Component> deviator_;
-  Component pressure_;
-};
-
-double* copy_quotient(const PartStore& store, const Component& over, const Component& under, double* out) {
-  return copy_elements<1>(store, out, [&](int block, double(&row)[1][lane_width]) {
-    alignas(64) double divisor[lane_width];
-    over.read(block, row[0]);
-    under.read(block, divisor);
-    for (int l = 0; l < lane_width; ++l) row[0][l] /= divisor[l];
-  });
-}
-
-/// sqrt(3/2 s:s). By each_piece: which lane an element has depends on its rank, and a plain loop may be compiled so
-/// that lanes round differently.
-double* copy_von_mises(const PartStore& store, double* out) {
-  return copy_elements<1>(store, out, [stress = Stress(store)](int block, double(&row)[1][lane_width]) {
-    alignas(64) double s[6][lane_width];
-    stress.read_deviator(block, s);
-    each_piece([&](int lane) {
-      Lanes squares{};
-      for (int c = 0; c < 6; ++c) {
-        const Lanes component = load_lanes(s[c] + lane);
-        squares += (c < 3 ? 1.5 : 3.0) * component * component;
-      }
-      store_lanes(row[0] + lane, sqrt_of(squares));
-    });
-  });
-}
-
-double* copy_component(const PartStore& store, const Component& component, double* out) {
-  return copy_elements<1>(store, out, [&](int block, double(&row)[1][lane_width]) { component.read(block, row[0]); });
-}
-
-double* copy_elements_of(const PartStore& store, const std::string& name, double* out) {
-  const Component mass(store, PartStore::mass);
-  if (name == "stress")
-    return copy_elements<6>(
-        store, out, [stress = Stress(store)](int block, double(&rows)[6][lane_width]) { stress.read(block, rows); });
-  if (name == "von_mises") return copy_von_mises(store, out);
-  if (name == "pressure") return copy_component(store, {store, PartStore::pressure}, out);
-  if (name == "density") return copy_quotient(store, mass, {store, PartStore::volume}, out);
-  if (name == "internal_energy") return copy_quotient(store, {store, PartStore::internal_energy}, mass, out);
-  if (const auto [field, component] = store.find_variable(name); field != PartStore::n_fields)
-    return copy_component(store, {store, field, component}, out);
-  // A variable that this part's laws do not have is zero there.
-  return copy_elements<1>(store, out, [](int, double(&row)[1][lane_width]) { std::fill_n(row[0], lane_width, 0.0); });
-}
-
-int components_of(const std::string& element_field) { return element_field == "stress" ? 6 : 1; }
-
-}  // namespace
 
 void write_topology(const Model& model, ResultsWriter& results) {
   const std::int64_t n = model.n_elements, r = model.rank(), n_ranks = model.n_ranks();
@@ -177,19 +70,26 @@ double* FrameWriter::room_for(std::size_t n) {
   return values_.data();
 }
 
-/// A nodal field, as far as possible where it is. Valid until the next one.
+/// A nodal field; one that is stored as it stands is taken from where it is. Valid until the next one.
 HeldValues<double> FrameWriter::nodal(const std::string& name) {
   const NodeStore& nodes = model_.nodes;
   const std::size_t n = local_.size();
   if (name == "mass") return {nodes.mass.data(), n, 1, local_.data()};
   if (name == "velocity") return {nodes.velocity.data(), n, 4, local_.data()};
   if (name == "position") return {nodes.position.data(), n, 4, local_.data()};
-  double* out = room_for(3 * n);  // displacement
+  const NodeField& field = *find_node_field(name);
+  const auto n_components = static_cast<std::size_t>(field.n_components);
+  double* out = room_for(n_components * n);
   for (const std::int32_t i : local_) {
-    const Vec3 moved = nodes.x(i) - reference_position(model_, nodes.id[i]);
-    for (int d = 0; d < 3; ++d) *out++ = moved[d];
+    field.fill({reference_position(model_, nodes.id[i]), nodes.x(i), nodes.v(i), nodes.mass[i]}, out);
+    out += n_components;
   }
-  return {values_.data(), n, 3, nullptr};
+  return {values_.data(), n, n_components, nullptr};
+}
+
+int FrameWriter::components_of(const std::string& element_field) {
+  const ElementField* field = find_element_field(element_field);
+  return field == nullptr ? 1 : field->n_components;
 }
 
 /// A field of the live elements. Valid until the next one.
@@ -197,7 +97,8 @@ HeldValues<double> FrameWriter::elemental(const std::string& name) {
   const auto n_components = static_cast<std::size_t>(components_of(name));
   double* const begin = room_for(n_components * live_.size());
   double* out = begin;
-  for (const PartModel& part : model_.parts) out = copy_elements_of(*part.store, name, out);
+  // A variable that a part's laws do not have is zero there.
+  for (const PartModel& part : model_.parts) out = FieldOfPart(*part.store, name).of_all(out);
   KERF_ASSERT(out == begin + n_components * live_.size(), "the live elements are those that were listed");
   return {begin, live_.size(), n_components, nullptr};
 }
@@ -207,7 +108,7 @@ void FrameWriter::write(double time, ResultsWriter& results) {
   results.add_points(owned_, nodal("position"));
   results.add_alive(live_);
   for (const std::string& name : output_.node_fields)
-    results.add_node_field(name, name == "mass" ? 1 : 3, owned_, nodal(name));
+    results.add_node_field(name, find_node_field(name)->n_components, owned_, nodal(name));
   for (const std::string& name : output_.element_fields)
     results.add_element_field(name, components_of(name), live_, elemental(name));
   results.end_frame();

@@ -19,6 +19,7 @@ class FrameWriter {
   void write(double time, ResultsWriter& results);
 
  private:
+  static int components_of(const std::string& element_field);
   bool list_entities();
   void release();
   double* room_for(std::size_t n);

@@ -149,8 +149,8 @@ double dissipated_by_elements(const Model& model, double eroded) {
 
 /// A sentence where hourglass control has taken more than a tenth of what was dissipated, and more than a hundredth of
 /// what there was.
-void warn_of_hourglass_share(Summary& s) {
-  const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
+void warn_of_hourglass_share(Summary& s, const Balance& b) {
+  const double present = std::max(b.initial, std::fabs(b.external));
   if (!(s.hourglass.share() > 0.1) || !(s.hourglass.energy > 0.01 * present)) return;
   s.warnings.push_back(fmt::format(
       "warning: hourglass control took {:.0f} % of all energy that was dissipated; expected less than 10 %: refine the "
@@ -159,19 +159,19 @@ void warn_of_hourglass_share(Summary& s) {
 }
 
 /// A sentence for each law that has given more than a thousandth of what there was to the nodes.
-void warn_of_gains(Summary& s) {
-  const double present = std::max(s.energy.initial, std::fabs(s.energy.external));
-  if (s.energy.contact_given_back > 1e-3 * present)
+void warn_of_gains(Summary& s, const Balance& b) {
+  const double present = std::max(b.initial, std::fabs(b.external));
+  if (b.given_back > 1e-3 * present)
     s.warnings.push_back(
         fmt::format("warning: contact has given {:.4g} J more to the nodes than it has taken, which is wrong by as "
                     "much; try a smaller "
                     "time.safety_factor, damping: 1, or cells of like size where bodies meet",
-                    s.energy.contact_given_back));
-  if (s.energy.hourglass_given_back > 1e-3 * present)
+                    b.given_back));
+  if (b.hourglass_given_back > 1e-3 * present)
     s.warnings.push_back(fmt::format(
         "warning: hourglass control has given {:.4g} J more to the nodes than it has taken, which is wrong by as much; "
         "choose hourglass: viscous for soft or badly deformed parts",
-        s.energy.hourglass_given_back));
+        b.hourglass_given_back));
 }
 
 void warn_of_nodes_let_go(Summary& s) {
@@ -215,18 +215,9 @@ Summary Reporter::summarise(const std::string& exit) {
   s.state_hash = state_hash(model);
   s.exit = exit;
   const Balance& b = last_;
-  s.energy = {simulation_.ledger().initial_energy,
-              b.kinetic,
-              b.internal,
-              b.hourglass,
-              b.bulk_viscosity,
-              b.contact,
-              b.external,
-              b.eroded,
-              b.error,
-              b.friction,
-              b.given_back,
-              b.hourglass_given_back};
+  for (const unsigned shares : {0u, unsigned{is_share}})
+    for (const BookLine& line : book_lines())
+      if ((line.places & in_energy) != 0 && (line.places & is_share) == shares) s.energy[line.name] = line.value(b);
   s.contact_let_go = {b.let_go.nodes,
                       static_cast<double>(b.let_go.mass) * simulation_.ledger().mass_quantum,
                       b.let_go.deepest,
@@ -255,11 +246,12 @@ Summary Reporter::summarise(const std::string& exit) {
     }
   }
   s.warnings = simulation_.warnings();
-  warn_of_hourglass_share(s);
-  warn_of_gains(s);
+  warn_of_hourglass_share(s, b);
+  warn_of_gains(s, b);
   warn_of_nodes_let_go(s);
   add_parts(s);
   add_measures(s);
+  observers_.add_to(s);
   add_timers(s);
   for (const RebalanceRecord& r : simulation_.balancer().records())
     s.rebalances.push_back({r.cycle, r.imbalance_before, r.imbalance_after, r.elements_moved, r.seconds});
@@ -307,13 +299,12 @@ void Reporter::add_measures(Summary& summary) {
 }
 
 void Reporter::add_timers(Summary& summary) {
-  for (const char* phase :
-       {"setup", "elements", "nodes", "contact_search", "contact_forces", "halo", "erosion", "rebalance", "output"}) {
-    const double mine = simulation_.timers().seconds(phase);
+  const MPI_Comm comm = simulation_.model().comm;
+  for (std::size_t k = 0; k < std::size(timer_table); ++k) {
+    const double mine = simulation_.timers().all()[k];
     double sum = mine;
-    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, simulation_.model().comm);
-    summary.timers[phase] = {least(simulation_.model().comm, mine), sum / simulation_.model().n_ranks(),
-                             greatest(simulation_.model().comm, mine)};
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
+    summary.timers[timer_table[k].name] = {least(comm, mine), sum / simulation_.model().n_ranks(), greatest(comm, mine)};
   }
 }
 
@@ -324,17 +315,9 @@ std::string Reporter::table_of(const Summary& s) const {
                  s.exit, s.cycles, s.end_time, s.ranks, s.ranks == 1 ? "" : "s", s.wall_seconds,
                  s.element_cycles_per_second * 1e-6);
   fmt::format_to(out, "state hash {}\n\nenergy [J]\n", s.state_hash);
-  const std::pair<const char*, double> rows[] = {{"initial", s.energy.initial},
-                                                 {"kinetic", s.energy.kinetic},
-                                                 {"internal", s.energy.internal},
-                                                 {"hourglass", s.energy.hourglass},
-                                                 {"bulk viscosity", s.energy.bulk_viscosity},
-                                                 {"contact", s.energy.contact},
-                                                 {"  by friction", s.energy.friction},
-                                                 {"external work", s.energy.external},
-                                                 {"eroded", s.energy.eroded}};
-  for (const auto& [name, value] : rows) fmt::format_to(out, "  {:<16}{:>16.6g}\n", name, value);
-  fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * s.energy.balance_error);
+  for (const BookLine& line : book_lines())
+    if (line.label != nullptr) fmt::format_to(out, "  {:<16}{:>16.6g}\n", line.label, line.value(last_));
+  fmt::format_to(out, "  {:<16}{:>15.4f} %\n", "balance error", 100.0 * last_.error);
   fmt::format_to(out, "  {:<16}{:>15.2f} %\n", "hourglass share", 100.0 * s.hourglass.share());
   // The simulation's own warnings have been printed already.
   for (std::size_t k = simulation_.warnings().size(); k < s.warnings.size(); ++k)

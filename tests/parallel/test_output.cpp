@@ -554,7 +554,7 @@ TEST_F(SummaryFile, has_the_keys_of_the_contract_and_null_for_what_is_not_a_numb
   Summary s;
   s.ranks = 2;
   s.exit = "completed";
-  s.energy.balance_error = std::numeric_limits<double>::quiet_NaN();
+  s.energy["balance_error"] = std::numeric_limits<double>::quiet_NaN();
   s.momentum.final = {1.0, 2.0, 3.0};
   s.eroded.by_part["rod"] = 4;
   s.parts["rod"] = {10, 6, 0.5, {0.0, 0.0, -100.0}, 2500.0};

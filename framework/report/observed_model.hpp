@@ -1,0 +1,105 @@
+// What observers see of a simulation, and what keeps the ranks together while an observer works.
+#pragma once
+
+#include <mpi.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "dynamics/simulation.hpp"
+#include "kerf/observer.hpp"
+
+namespace kerf {
+
+/// Thrown out of a collective function of the model where another rank has left the observer: this rank has to leave
+/// it as well.
+class LeftBehind : public std::runtime_error {
+ public:
+  LeftBehind() : std::runtime_error("another rank has stopped") {}
+};
+
+/// Sees to it that ranks meet in the same collective function or leave the observer together: an observer that throws
+/// on one rank must not leave the others waiting.
+class MeetingPoint {
+ public:
+  enum Place : int { failed, done, sums, greatest, least, nearest, from_holder, reactions, contacts };
+
+  explicit MeetingPoint(MPI_Comm comm) : comm_(comm) {}
+  /// Throws LeftBehind where a rank has failed, and std::runtime_error where ranks come to different places. Collective.
+  void come_to(Place place) const;
+  /// Runs a piece of an observer. Returns what went wrong on the lowest rank where anything did, on all ranks; empty
+  /// where nothing did. Collective.
+  template <class Work>
+  std::string run(const Work& work) const {
+    std::string failure;
+    try {
+      work();
+      come_to(done);
+      return {};
+    } catch (const LeftBehind&) {
+      return common(failure);
+    } catch (const std::exception& e) {
+      failure = e.what();
+      if (failure.empty()) failure = "an exception without a word";
+    } catch (...) {
+      failure = "an exception of unknown type";
+    }
+    leave();
+    return common(failure);
+  }
+
+ private:
+  void leave() const;
+  std::string common(const std::string& failure) const;
+  MPI_Comm comm_;
+  mutable bool parted_ = false;  // all ranks know that they came to different places
+};
+
+class SimulationView final : public ObservedModel {
+ public:
+  explicit SimulationView(Simulation& simulation);
+  /// Takes up what the simulation is now. To be called before an observer sees the view.
+  void refresh(double at_time, double of_step, std::int64_t at_cycle);
+  const MeetingPoint& meeting() const { return meeting_; }
+
+  std::int64_t arrangement() const override { return number_; }
+  Vec3 reference(std::int64_t node_id) const override;
+  std::span<const double> kinetic_energy() override;
+  std::span<const std::int64_t> elements(int part) const override { return listed_[index(part)].ids; }
+  std::int32_t element_node(int part, int i, int k) const override;
+  int n_components(const std::string& field) const override;
+  std::vector<ObservedColumn> columns_of_field(const std::string& name) const override;
+  std::vector<ObservedColumn> columns_of_node_field(const std::string& name) const override;
+  std::vector<double> field(int part, const std::string& name) const override;
+  std::vector<double> field_of(int part, int i, const std::string& name) const override;
+  std::vector<double> node_field(int node, const std::string& name) const override;
+  std::vector<double> sums(const std::vector<std::span<const double>>& lists) override;
+  std::vector<double> greatest(std::vector<double> values) override;
+  std::vector<double> least(std::vector<double> values) override;
+  std::pair<double, std::int64_t> nearest(double value, std::int64_t id) override;
+  std::vector<double> from_holder(bool mine, std::vector<double> values) override;
+  std::vector<ObservedReaction> reactions() override;
+  std::vector<ObservedContact> contacts() override;
+
+ private:
+  /// Live elements of a part on this rank.
+  struct Listed {
+    std::int64_t arrangement = -1;
+    std::vector<std::int64_t> ids;
+    std::vector<int> slots;
+  };
+  std::size_t index(int part) const;
+  const PartStore& store(int part) const { return *simulation_.model().parts[index(part)].store; }
+  int slot(int part, int i) const;
+  void list_elements();
+
+  Simulation& simulation_;
+  MeetingPoint meeting_;
+  std::vector<Listed> listed_;
+  std::vector<double> kinetic_;
+  bool kinetic_known_ = false;
+  std::int64_t number_ = 0, node_arrangement_ = -1;
+};
+
+}  // namespace kerf
