@@ -8,6 +8,7 @@
 #include "input/json_schema.hpp"
 #include "input/parameter_text.hpp"
 #include "input/reference_writer.hpp"
+#include "report/output_reference.hpp"
 
 namespace kerf {
 namespace {
@@ -68,7 +69,7 @@ int schema_command(const Registry& registry) {
 }
 
 int reference_command(const Registry& registry, const std::string& folder) {
-  write_reference(registry, folder);
+  write_reference(registry, folder, output_reference());
   return exit_done;
 }
 

@@ -168,8 +168,8 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
     contact += contact_work(model, ledger, &load.force[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
     friction += contact_work(model, ledger, &load.friction[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
   }
-  std::int64_t sums[6] = {ledger.accounts.external, ledger.accounts.contact, ledger.accounts.friction,
-                          outlook.external,         contact,                 friction};
+  std::int64_t sums[6] = {
+      ledger.accounts.external, ledger.accounts.contact, ledger.accounts.friction, outlook.external, contact, friction};
   MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_INT64_T, MPI_SUM, model.comm);
   const std::vector<double> totals =
       order_free_sums(model.comm, {outlook.kinetic, outlook.momentum[0], outlook.momentum[1], outlook.momentum[2]});

@@ -99,7 +99,8 @@ class Simulation {
     double first_stable = 0.0, contact_step = 0.0;
     std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>
         contact_force;  // and friction; by node id, any superset
-    std::vector<std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>> force_of_contact;  // where books are kept
+    std::vector<std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>>
+        force_of_contact;  // where books are kept
   };
   /// Collective.
   Progress progress() const;

@@ -85,10 +85,9 @@ std::string skeleton(const Description& d) {
 // Pages of the theory manual by kind; a type with a page of its own name needs no entry.
 const std::map<std::string, std::string>& theory_pages() {
   static const std::map<std::string, std::string> pages = {
-      {"boundary", "boundaries"}, {"contact", "contact"},    {"eos", "eos"},
-      {"erosion", "erosion"},     {"material", "materials"}, {"measure", "measures"},
-      {"observer", "observers"},
-      {"partitioner", "parallel"}};
+      {"boundary", "boundaries"}, {"contact", "contact"},     {"eos", "eos"},
+      {"erosion", "erosion"},     {"material", "materials"},  {"measure", "measures"},
+      {"observer", "observers"},  {"partitioner", "parallel"}};
   return pages;
 }
 
@@ -176,15 +175,17 @@ std::string describe_markdown(const Description& d) {
   return text;
 }
 
-void write_reference(const Registry& registry, const std::string& folder) {
+void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page) {
   const std::filesystem::path root = std::filesystem::absolute(folder).lexically_normal();
   std::string index =
       "# Reference\n\nEverything that an input file can name, one page per type: what it takes, units, defaults, "
       "allowed "
       "values, and the state variables it keeps. Generated from the declarations in the code by `kerf reference`; "
       "changes belong there. On the terminal, `kerf list` and `kerf describe NAME` show the same.\n\n"
-      "- [input](input.md): the whole input file\n";
+      "- [input](input.md): the whole input file\n"
+      "- [output](output.md): columns, keys, fields and timers that are written\n";
   write_file(root / "input.md", describe_markdown(input_description()));
+  write_file(root / "output.md", output_page);
   for (const std::string& kind : registry.kinds()) {
     index += fmt::format("\n## {}\n\n", kind);
     for (const std::string& name : registry.names(kind)) {

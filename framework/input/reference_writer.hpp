@@ -18,8 +18,8 @@ std::string describe_markdown(const Description& description);
 /// What stands at the top of an input file: the declaration of ModelInput.
 const Description& input_description();
 
-/// Writes input.md, README.md (the index) and KIND/NAME.md below `folder`, which is made if need be.
+/// Writes input.md, output.md, README.md (the index) and KIND/NAME.md below `folder`, which is made if need be.
 /// Throws std::runtime_error where a file cannot be written.
-void write_reference(const Registry& registry, const std::string& folder);
+void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page);
 
 }  // namespace kerf

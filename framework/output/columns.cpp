@@ -37,7 +37,8 @@ bool same_columns(const hdf5::Group& a, const hdf5::Group& b) {
     std::vector<std::string> names;
     for (const auto& [name, column] : g.datasets) names.push_back(name);
     for (const hdf5::Attribute& attribute : g.attributes)
-      if (attribute.name.rfind("meaning of ", 0) != 0) names.emplace_back(reinterpret_cast<const char*>(attribute.content.data()), attribute.content.size());
+      if (attribute.name.rfind("meaning of ", 0) != 0)
+        names.emplace_back(reinterpret_cast<const char*>(attribute.content.data()), attribute.content.size());
     return names;
   };
   return key(a) == key(b);

@@ -33,8 +33,7 @@ class ColumnFile {
   ColumnFile(MPI_Comm comm, const std::string& path, const std::vector<ColumnTable>& tables);
   /// Goes on with the file of an earlier run, keeping rows up to and including `time`. Throws where it has other
   /// columns.
-  static ColumnFile resume(MPI_Comm comm, const std::string& path, const std::vector<ColumnTable>& tables,
-                           double time);
+  static ColumnFile resume(MPI_Comm comm, const std::string& path, const std::vector<ColumnTable>& tables, double time);
   ColumnFile(ColumnFile&&) noexcept;
   ColumnFile& operator=(ColumnFile&&) noexcept;
   ~ColumnFile();

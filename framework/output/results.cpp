@@ -149,6 +149,7 @@ class ResultsWriter::Impl {
   void end_frame();
   void close() { file_.close(); }
 
+  Group& own_group() { return file_.root.groups["Kerf"]; }
   Entities& nodes() { return nodes_; }
   Entities& elements() { return elements_; }
   std::int64_t n_frames() const { return n_frames_; }
@@ -541,6 +542,15 @@ ResultsWriter ResultsWriter::reopen(MPI_Comm comm, const std::string& path, int 
 void ResultsWriter::write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
                                    std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts) {
   impl_->write_topology(elements, nodes, part_of, parts);
+}
+void ResultsWriter::note_units(const std::vector<std::pair<std::string, std::string>>& units) {
+  std::vector<std::string> names, texts;
+  for (const auto& [name, unit] : units) {
+    names.push_back(name);
+    texts.push_back(unit);
+  }
+  impl_->own_group().datasets["field_names"] = text_table(names);
+  impl_->own_group().datasets["field_units"] = text_table(texts);
 }
 void ResultsWriter::begin_frame(double time, bool same_entities) { impl_->begin_frame(time, same_entities); }
 void ResultsWriter::add_points(std::span<const std::int64_t> owned_nodes, const HeldValues<double>& positions) {

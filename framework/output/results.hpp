@@ -11,6 +11,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kerf/shape.hpp"
@@ -48,6 +49,9 @@ class ResultsWriter {
   /// each element in the order of VTK's cell type, `part_of` one index into `parts` per element.
   void write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
                       std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts);
+
+  /// Stores the units of fields, by name, for whoever draws them. Once, before the first frame.
+  void note_units(const std::vector<std::pair<std::string, std::string>>& units);
 
   /// With `same_entities`, all ids of this rank will be the same as in the frame before.
   void begin_frame(double time, bool same_entities = false);

@@ -20,8 +20,7 @@ from results import Results, cell_array, cell_centres, keep_cells, scalar_of
 
 SHOWN = "kerf_shown"  # the cell array that holds what a picture is coloured by
 # Field units are SI; these are brought to what an analyst reads.
-UNITS = {"pressure": (1.0e-6, "MPa"), "von_mises": (1.0e-6, "MPa"), "stress": (1.0e-6, "MPa"),
-         "temperature": (1.0, "K"), "internal_energy": (1.0, "J/kg"), "density": (1.0, "kg/m³")}
+SCALED = {"Pa": (1.0e-6, "MPa"), "kg/m3": (1.0, "kg/m³")}
 
 
 def draw_all(results: Results, arguments, title: str, into, drawn: list[str], notes: list[str]) -> None:
@@ -74,8 +73,9 @@ def field_range(results: Results, field: str) -> tuple[float, float]:
     return (low, high) if high > low else (low, low + 1.0)
 
 
-def field_label(field: str) -> tuple[float, str]:
-    factor, unit = UNITS.get(field, (1.0, ""))
+def field_label(results: Results, field: str) -> tuple[float, str]:
+    stored = results.unit_of(field)
+    factor, unit = SCALED.get(stored, (1.0, stored))
     return factor, charts.plain(field.replace("_", " ")) + (f" [{unit}]" if unit else "")
 
 
@@ -113,7 +113,7 @@ def cut_polygons(grid, view: Viewpoint) -> tuple[list[np.ndarray], np.ndarray]:
 def plot_cut(results: Results, view: Viewpoint, field: str, limits, count: int, title: str, path, notes) -> None:
     """A mosaic of the cut plane at several times, coloured by a field, axes in mm."""
     frames = results.spread_frames(count)
-    factor, label = field_label(field)
+    factor, label = field_label(results, field)
     norm = Normalize(limits[0] * factor, limits[1] * factor)
     axes_of_plane = view.cut_axes
     low, high = box_of(results, (results.grid(frame) for frame in (frames[0], frames[len(frames) // 2], frames[-1])))
@@ -236,7 +236,7 @@ def plot_overview(results: Results, view: Viewpoint, field: str | None, limits, 
     middle = results.nearest_frame(0.5 * (results.times[0] + results.times[-1]))
     frames = sorted({middle, len(results.times) - 1})
     n_parts = max(results.part_names(), default=0) + 1
-    factor, label = field_label(field) if field else (1.0, "")
+    factor, label = field_label(results, field) if field else (1.0, "")
     figure = Figure(figsize=(6.0 * len(frames) + 1.0, 6.5), layout="constrained")
     panels = figure.subplots(1, len(frames), squeeze=False)[0]
     low, high = box_of(results, (behind_cut(results.grid(frame), view) for frame in frames))

@@ -162,6 +162,15 @@ class Results:
             self._part_names = self._read_part_names()
         return self._part_names
 
+    def unit_of(self, field: str) -> str:
+        """The unit of a field in SI units; empty where the file does not know it or it has none."""
+        with h5py.File(self.folder / "results.vtkhdf", "r") as file:
+            if "Kerf/field_units" not in file:
+                return ""
+            names, units = (list(file[f"Kerf/{name}"].asstr()[:]) for name in ("field_names", "field_units"))
+        unit = dict(zip(names, units)).get(field, "")
+        return "" if unit == "-" else unit
+
     def _read_part_names(self) -> dict[int, str]:
         grid = self.whole_grid(0)
         part = cell_array(grid, "part")

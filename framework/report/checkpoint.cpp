@@ -29,7 +29,8 @@ std::vector<std::int64_t> forces_of(const NodeStore& nodes, const ContactLoad& l
   return all;
 }
 
-void write_observers(RestartWriter& file, const Simulation& simulation, const std::vector<ObserverProgress>& observers) {
+void write_observers(RestartWriter& file, const Simulation& simulation,
+                     const std::vector<ObserverProgress>& observers) {
   std::string names;
   for (const ObserverProgress& o : observers) {
     names += o.name + "\n";
@@ -54,9 +55,10 @@ void read_side_books(RestartReader& file, const std::string& path, Simulation& s
   if (file.has_attribute("side_books")) books = file.integers("side_books");
   if (simulation.model().rank() != 0) std::fill(books.begin(), books.end(), 0);
   if (!simulation.side_books().restore(books))
-    throw InputError({fmt::format("{}: error: the run that wrote this file had other observers of contacts or "
-                                  "reactions; resume with the observers that the run began with",
-                                  path)});
+    throw InputError(
+        {fmt::format("{}: error: the run that wrote this file had other observers of contacts or "
+                     "reactions; resume with the observers that the run began with",
+                     path)});
 }
 
 void write_nodes(RestartWriter& file, Simulation& simulation) {

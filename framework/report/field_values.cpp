@@ -67,4 +67,14 @@ double* FieldOfPart::of_all(double* out) const {
   return out;
 }
 
+std::string unit_of_field(const std::vector<PartModel>& parts, const std::string& name) {
+  if (const ElementField* field = find_element_field(name)) return field->unit;
+  for (const PartModel& part : parts) {
+    const auto [place, component] = part.store->find_variable(name);
+    if (place != PartStore::n_fields)
+      return part.store->field(place).components[static_cast<std::size_t>(component)].unit;
+  }
+  return "-";
+}
+
 }  // namespace kerf

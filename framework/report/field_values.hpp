@@ -2,9 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "input/output_fields.hpp"
-#include "model/part_store.hpp"
+#include "model/model.hpp"
 
 namespace kerf {
 
@@ -30,5 +31,8 @@ class FieldOfPart {
   int component_ = 0;
   double absent_;
 };
+
+/// Unit of a field, "-" where no part knows it.
+std::string unit_of_field(const std::vector<PartModel>& parts, const std::string& name);
 
 }  // namespace kerf

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/fixed_sum.hpp"
 #include "model/reference_position.hpp"
@@ -19,7 +20,7 @@ namespace {
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 const char* name_of(MeetingPoint::Place place) {
-  constexpr const char* names[] = {"an exception", "its end",   "sums",        "greatest",  "least",
+  constexpr const char* names[] = {"an exception", "its end",     "sums",      "greatest", "least",
                                    "nearest",      "from_holder", "reactions", "contacts"};
   return names[place];
 }
@@ -63,15 +64,15 @@ std::string MeetingPoint::common(const std::string& failure) const { return firs
 SimulationView::SimulationView(Simulation& simulation)
     : simulation_(simulation), meeting_(simulation.model().comm), listed_(simulation.model().parts.size()) {
   for (const PartModel& part : simulation.model().parts)
-    parts.push_back({part.input->name, &part.store->shape(), part.n_elements, part.initial_mass,
-                     part.material->density, part.initial_energy});
+    parts.push_back({part.input->name, &part.store->shape(), part.n_elements, part.initial_mass, part.material->density,
+                     part.initial_energy});
 }
 
 void SimulationView::refresh(double at_time, double of_step, std::int64_t at_cycle) {
   time = at_time;
   dt = of_step;
   cycle = at_cycle;
-  kinetic_known_ = false;
+  kinetic_known_ = contact_known_ = false;
   const Model& model = simulation_.model();
   const NodeStore& n = model.nodes;
   nodes = {.n = n.n(),
@@ -114,9 +115,7 @@ std::size_t SimulationView::index(int part) const {
   return static_cast<std::size_t>(part);
 }
 
-int SimulationView::slot(int part, int i) const {
-  return listed_[index(part)].slots.at(static_cast<std::size_t>(i));
-}
+int SimulationView::slot(int part, int i) const { return listed_[index(part)].slots.at(static_cast<std::size_t>(i)); }
 
 Vec3 SimulationView::reference(std::int64_t node_id) const { return reference_position(simulation_.model(), node_id); }
 
@@ -124,6 +123,18 @@ std::span<const double> SimulationView::kinetic_energy() {
   if (!kinetic_known_) kinetic_ = simulation_.kinetic_energies();
   kinetic_known_ = true;
   return kinetic_;
+}
+
+std::span<const Vec3> SimulationView::contact_force() {
+  if (std::exchange(contact_known_, true)) return contact_force_;
+  contact_force_.assign(static_cast<std::size_t>(nodes.n), {});
+  const ContactLoad& load = simulation_.contact_load();
+  for (std::size_t k = 0; k < load.nodes.size(); ++k)
+    contact_force_[static_cast<std::size_t>(load.nodes[k])] =
+        Vec3{static_cast<double>(load.force[4 * k]), static_cast<double>(load.force[4 * k + 1]),
+             static_cast<double>(load.force[4 * k + 2])} *
+        nodes.force_quantum;
+  return contact_force_;
 }
 
 std::int32_t SimulationView::element_node(int part, int i, int k) const { return store(part).node(slot(part, i), k); }

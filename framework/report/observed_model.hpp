@@ -26,7 +26,8 @@ class MeetingPoint {
   enum Place : int { failed, done, sums, greatest, least, nearest, from_holder, reactions, contacts };
 
   explicit MeetingPoint(MPI_Comm comm) : comm_(comm) {}
-  /// Throws LeftBehind where a rank has failed, and std::runtime_error where ranks come to different places. Collective.
+  /// Throws LeftBehind where a rank has failed, and std::runtime_error where ranks come to different places.
+  /// Collective.
   void come_to(Place place) const;
   /// Runs a piece of an observer. Returns what went wrong on the lowest rank where anything did, on all ranks; empty
   /// where nothing did. Collective.
@@ -66,6 +67,7 @@ class SimulationView final : public ObservedModel {
   std::int64_t arrangement() const override { return number_; }
   Vec3 reference(std::int64_t node_id) const override;
   std::span<const double> kinetic_energy() override;
+  std::span<const Vec3> contact_force() override;
   std::span<const std::int64_t> elements(int part) const override { return listed_[index(part)].ids; }
   std::int32_t element_node(int part, int i, int k) const override;
   int n_components(const std::string& field) const override;
@@ -98,7 +100,8 @@ class SimulationView final : public ObservedModel {
   MeetingPoint meeting_;
   std::vector<Listed> listed_;
   std::vector<double> kinetic_;
-  bool kinetic_known_ = false;
+  std::vector<Vec3> contact_force_;
+  bool kinetic_known_ = false, contact_known_ = false;
   std::int64_t number_ = 0, node_arrangement_ = -1;
 };
 

@@ -16,7 +16,9 @@ namespace kerf {
 
 namespace {
 
-std::string described(const Observer& o) { return fmt::format("the observer `{}` ({}, {})", o.label, o.type, o.origin); }
+std::string described(const Observer& o) {
+  return fmt::format("the observer `{}` ({}, {})", o.label, o.type, o.origin);
+}
 
 /// What is wrong with the columns that an observer declares, or nothing.
 std::string complaint_about(const std::vector<ObservedColumn>& columns) {
@@ -105,14 +107,14 @@ void ObserverHost::resume(const std::string& folder, const std::vector<ObserverP
     if (found == progress.end() || found->numbers.size() != seat.n_state + 1)
       refuse(fmt::format("the run had no observer `{}` of the type {}", seat.observer->label, seat.observer->type));
     seat.due = found->numbers.front();
-    const std::string failure = view_.meeting().run(
-        [&] { seat.observer->restore(std::span(found->numbers).subspan(1)); });
+    const std::string failure =
+        view_.meeting().run([&] { seat.observer->restore(std::span(found->numbers).subspan(1)); });
     if (!failure.empty()) refuse(described(*seat.observer) + ": " + failure);
   }
   const std::vector<ColumnTable> wanted = tables();
   if (!wanted.empty())
-    file_ = std::make_unique<ColumnFile>(
-        ColumnFile::resume(simulation_.model().comm, folder + "history.h5", wanted, time));
+    file_ =
+        std::make_unique<ColumnFile>(ColumnFile::resume(simulation_.model().comm, folder + "history.h5", wanted, time));
   for (Seat& seat : seats_)
     if (seat.table >= 0 && file_->last_time(static_cast<std::size_t>(seat.table)) == time)
       seat.last_cycle = simulation_.clock().cycle();  // what is written of this moment is not written again

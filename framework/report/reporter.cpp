@@ -93,8 +93,8 @@ void Reporter::resume(const std::string& folder) {
   results_ = std::make_unique<ResultsWriter>(
       ResultsWriter::reopen(model.comm, folder + "results.vtkhdf", static_cast<int>(due_.n_frames)));
   require_same_fields();  // before the tables are cut back
-  history_ =
-      std::make_unique<HistoryWriter>(HistoryWriter::resume(model.comm, folder + "history.csv", history_columns(), time));
+  history_ = std::make_unique<HistoryWriter>(
+      HistoryWriter::resume(model.comm, folder + "history.csv", history_columns(), time));
   erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
   observers_.resume(folder, due_.observers);
   last_ = simulation_.sample();

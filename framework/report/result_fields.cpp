@@ -10,6 +10,19 @@
 
 namespace kerf {
 
+namespace {
+
+/// Units of the fields that the output has, by name.
+std::vector<std::pair<std::string, std::string>> units_of_fields(const Model& model) {
+  std::vector<std::pair<std::string, std::string>> units;
+  for (const std::string& name : model.input->output.node_fields) units.emplace_back(name, find_node_field(name)->unit);
+  for (const std::string& name : model.input->output.element_fields)
+    units.emplace_back(name, unit_of_field(model.parts, name));
+  return units;
+}
+
+}  // namespace
+
 void write_topology(const Model& model, ResultsWriter& results) {
   const std::int64_t n = model.n_elements, r = model.rank(), n_ranks = model.n_ranks();
   const std::int64_t first = n * r / n_ranks, last = n * (r + 1) / n_ranks;
@@ -29,6 +42,7 @@ void write_topology(const Model& model, ResultsWriter& results) {
     }
   }
   results.write_topology(ids, nodes, part_of, parts);
+  results.note_units(units_of_fields(model));
 }
 
 /// Lists what this rank holds, unless that is known. Returns whether it is as it was at the frame before.

@@ -304,7 +304,8 @@ void Reporter::add_timers(Summary& summary) {
     const double mine = simulation_.timers().all()[k];
     double sum = mine;
     MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
-    summary.timers[timer_table[k].name] = {least(comm, mine), sum / simulation_.model().n_ranks(), greatest(comm, mine)};
+    summary.timers[timer_table[k].name] = {least(comm, mine), sum / simulation_.model().n_ranks(),
+                                           greatest(comm, mine)};
   }
 }
 

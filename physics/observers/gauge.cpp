@@ -28,7 +28,9 @@ class Gauge final : public Observer {
   }
 
   std::vector<std::string> references() const override { return {part}; }
-  std::vector<std::string> element_fields() const override { return of_node() ? std::vector<std::string>{} : quantities; }
+  std::vector<std::string> element_fields() const override {
+    return of_node() ? std::vector<std::string>{} : quantities;
+  }
   std::vector<std::string> node_fields() const override { return of_node() ? quantities : std::vector<std::string>{}; }
 
   void prepare(ObservedModel& model) override {
@@ -62,7 +64,8 @@ class Gauge final : public Observer {
     r.numbers.push_back({"first_row_without_value", first_without_, ""});
     std::ostringstream text;
     text << "the gauge `" << label << "` has no value in " << n_without_ << " rows, the first at " << first_without_
-         << " s: " << (motion == "fixed" ? "no element of part " + part + " was at its point" : "its " + at + " has eroded");
+         << " s: "
+         << (motion == "fixed" ? "no element of part " + part + " was at its point" : "its " + at + " has eroded");
     r.warnings.push_back(text.str());
     return r;
   }

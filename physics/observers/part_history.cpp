@@ -70,9 +70,8 @@ class PartHistory final : public Observer {
       body_mass.push_back(nodes.mass[i]);
       for (int d = 0; d < 3; ++d) body_momentum[d].push_back(p[d]);
     }
-    const std::vector<double> s =
-        model.sums({mass, internal, ones, kinetic, momentum[0], momentum[1], momentum[2], body_mass, body_momentum[0],
-                    body_momentum[1], body_momentum[2]});
+    const std::vector<double> s = model.sums({mass, internal, ones, kinetic, momentum[0], momentum[1], momentum[2],
+                                              body_mass, body_momentum[0], body_momentum[1], body_momentum[2]});
     const auto mean = [&](double total) {
       return s[7] > 0.0 ? total / s[7] : std::numeric_limits<double>::quiet_NaN();
     };
@@ -87,4 +86,5 @@ class PartHistory final : public Observer {
 }  // namespace
 }  // namespace kerf
 
-KERF_OBSERVER(kerf::PartHistory, "part_history", "mass, mean velocity, momentum, energies and erosion of parts over time")
+KERF_OBSERVER(kerf::PartHistory, "part_history",
+              "mass, mean velocity, momentum, energies and erosion of parts over time")

@@ -43,7 +43,7 @@ def base_model():
         "sets": {"bottom": {"parts": "target", "face": "z_min"}},
         "boundaries": [{"type": "fixed", "nodes": "bottom"}],
         "contacts": [{"type": "eroding_surface"}],
-        "measures": {"speed": {"type": "residual_velocity", "part": "striker"}},
+        "measures": {"speed": {"type": "residual_velocity", "part": "striker"}}, "observers": {},
         "balance": {"partitioner": {"type": "zoltan_rcb"}},
         "output": {"restart_at_end": False}, "checks": {}}
 
@@ -53,7 +53,7 @@ PLACES = {
     "material": ("materials", "copper", "strength"), "eos": ("materials", "copper", "eos"),
     "erosion": ("materials", "copper", "erosion", "criteria", 0), "element": ("parts", "striker", "element"),
     "mesh": ("parts", "striker", "mesh"), "contact": ("contacts", 0), "boundary": ("boundaries", 0),
-    "measure": ("measures", "speed"), "partitioner": ("balance", "partitioner")}
+    "measure": ("measures", "speed"), "observer": ("observers", "watch"), "partitioner": ("balance", "partitioner")}
 
 
 def put(model, place, value):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -259,3 +260,89 @@ def test_a_state_that_is_not_declared_as_it_is_is_refused(tmp_path, members, dec
     done = call(KERF, "list", "erosion", "--plugin", library)
     assert done.returncode == 2
     assert str(library) in done.stderr and "erosion faulty" in done.stderr and said in done.stderr
+
+
+# ---- an observer
+
+@pytest.fixture(scope="module")
+def observer(plugin):
+    return plugin.with_name("fastest_node.so")
+
+
+@pytest.fixture(scope="module")
+def observed(tmp_path_factory):
+    """The bar of a built-in material, watched."""
+    path = tmp_path_factory.mktemp("case") / "observed.yaml"
+    law = CASE[CASE.index("      type: swift"):CASE.index("    eos:")]
+    built_in = ("      {type: elastic_plastic, shear_modulus: 80 GPa, yield_stress: 350 MPa, "
+                "hardening_modulus: 500 MPa}\n")
+    path.write_text(CASE.replace(law, built_in) + "observers:\n  quick: {type: fastest_node}\n")
+    return path
+
+
+def table(folder):
+    with h5py.File(folder / "history.h5") as file:
+        return {name: data[()] for name, data in file["quick"].items()}
+
+
+def test_columns_of_an_observer_are_the_same_on_any_number_of_ranks(observer, observed, tmp_path):
+    summaries, tables = {}, {}
+    for n in (1, 2, 3, 5):
+        summaries[n] = run(observed, observer, tmp_path / str(n), "--ranks", n, "--set", "balance.force_interval=15")
+        tables[n] = table(tmp_path / str(n))
+    for n in (2, 3, 5):
+        assert {k: v.tobytes() for k, v in tables[n].items()} == {k: v.tobytes() for k, v in tables[1].items()}
+    numbers = summaries[1]["observers"]["quick"]
+    assert numbers == summaries[5]["observers"]["quick"]
+    assert numbers["forces_seen"] == summaries[1]["cycles"]  # every cycle, as it has asked for
+    assert numbers["grown"] > 0
+    assert tables[1]["speed"][0] == 150.0 and tables[1]["force"].max() > 0.0
+
+
+def test_an_observer_goes_on_after_a_restart_with_the_same_bits(observer, observed, tmp_path):
+    settings = ("--set", "output.restart_interval=12 us", "--set", "output.restart_at_end=false")
+    whole = run(observed, observer, tmp_path / "out", *settings)
+    before = table(tmp_path / "out")
+    resumed = run(observed, observer, tmp_path / "out", "--resume", "--ranks", 2, *settings)
+    after = table(tmp_path / "out")
+    assert {k: v.tobytes() for k, v in after.items()} == {k: v.tobytes() for k, v in before.items()}
+    assert resumed["observers"] == whole["observers"]
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_an_observer_that_throws_on_one_rank_stops_all_with_its_name_and_place(observer, observed, tmp_path, ranks):
+    done = call(KERF, "run", observed, "--plugin", observer, "--output", tmp_path / "out", "--ranks", ranks,
+                "--set", "observers.quick.fail_at=10 us", cwd=tmp_path)
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert re.search(r"the run stopped: the observer `quick` \(fastest_node, \S+observed.yaml:\d+:\d+\) failed in "
+                     r"after_step: node 0 was not meant to get this far; at time 1\S+e-05 s, cycle \d+", done.stderr)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["exit"].startswith("the observer `quick`") and summary["end_time"] >= 10e-6
+    times = table(tmp_path / "out")["time"]
+    assert len(times) > 10 and times[-1] < 10e-6 + 0.5e-6
+
+
+def test_ranks_that_come_to_different_collective_functions_are_told(tmp_path, observed):
+    source = tmp_path / "astray.cpp"
+    source.write_text("""
+#include <kerf/observer.hpp>
+struct Astray final : kerf::Observer {
+  static void describe(kerf::Schema<Astray>&) {}
+  std::vector<kerf::ObservedColumn> columns() const override { return {{"x", "-", "nothing"}}; }
+  void sample(kerf::ObservedModel& model, std::span<double>) override {
+    bool first = false;
+    for (int i = 0; i < model.nodes.n; ++i) first |= model.nodes.owned[i] != 0 && model.nodes.id[i] == 0;
+    if (first) model.greatest({1.0});
+  }
+};
+KERF_OBSERVER(Astray, "astray", "calls a collective function on one rank only")
+""")
+    version = call(KERF, "--version").stdout.split()[1]
+    library = compile_library(source, tmp_path / "astray.so", f'-DKERF_VERSION="{version}"')
+    words = (KERF, "run", observed, "--plugin", library, "--set", "observers.quick.type=astray")
+    alone = call(*words, "--output", tmp_path / "one", cwd=tmp_path)
+    assert alone.returncode == 0, alone.stderr
+    done = call(*words, "--output", tmp_path / "two", "--ranks", 2, cwd=tmp_path)
+    assert done.returncode == 3
+    assert "some ranks have come to its end and others to greatest; collective functions have to be called by all " \
+        "ranks alike" in done.stderr

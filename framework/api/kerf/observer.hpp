@@ -52,7 +52,8 @@ struct ObservedPart {
   std::int64_t n_elements = 0;  // undeformed, on all ranks
   double mass = 0.0;  // [kg] undeformed
   double density = 0.0;  // [kg/m3] undeformed
-  double energy = 0.0;  // internal energy per mass at the start, which the field internal_energy does not contain [J/kg]
+  double energy =
+      0.0;  // internal energy per mass at the start, which the field internal_energy does not contain [J/kg]
 };
 
 /// What a boundary condition has done to the nodes since time zero.
@@ -104,6 +105,9 @@ class ObservedModel {
   /// Kinetic energy of every node of this rank at the time of the model, as the energy balance counts it; zero for
   /// nodes that another rank owns [J]. Only in sample().
   virtual std::span<const double> kinetic_energy() = 0;
+  /// The share of contact in the force of every node of this rank; zero for nodes that another rank owns [N]. From
+  /// after_forces() on.
+  virtual std::span<const Vec3> contact_force() = 0;
 
   /// Global ids of the live elements of a part on this rank, in an order that means nothing.
   virtual std::span<const std::int64_t> elements(int part) const = 0;

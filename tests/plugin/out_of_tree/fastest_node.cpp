@@ -1,5 +1,6 @@
 // An observer outside of Kerf's tree: the fastest node of the model, and how often its speed has grown.
 #include <cmath>
+#include <limits>
 
 #include <kerf/observer.hpp>
 
@@ -12,7 +13,9 @@ struct FastestNode final : kerf::Observer {
 
   kerf::ObserverCalls calls() const override { return {.after_forces = true, .after_step = true}; }
   std::vector<kerf::ObservedColumn> columns() const override {
-    return {{"speed", "m/s", "of the fastest node"}, {"node", "-", "its number"}, {"force", "N", "on it"},
+    return {{"speed", "m/s", "of the fastest node"},
+            {"node", "-", "its number"},
+            {"force", "N", "on it"},
             {"grown", "-", "steps in which the greatest speed has grown"}};
   }
 
