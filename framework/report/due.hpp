@@ -5,7 +5,8 @@
 
 namespace kerf {
 
-/// The next time in a row of such after `now`; where they are closer than any number can tell, the next cycle.
+/// The first of the times due, due + interval, due + 2 interval, ... after `now`. Where these are closer than numbers
+/// can tell, a later time than `now`, so that every cycle is due.
 inline double next_due(double due, double interval, double now) {
   constexpr int many = 100000;
   for (int i = 0; i < many && due <= now; ++i) due += interval;
