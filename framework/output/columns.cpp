@@ -69,7 +69,7 @@ class ColumnFile::Impl {
                                "be continued; resume with the observers that the run began with");
     open_tables(tables);
     for (Table& table : tables_) cut_back(table, time);
-    commit();  // before rows are written over those that were cut
+    commit();  // before new rows are written over the old ones
   }
 
   double last_time(std::size_t table) const { return tables_[table].last_time; }

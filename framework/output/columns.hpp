@@ -1,4 +1,4 @@
-// history.h5: columns of numbers over time, a group for each of those that fill them, each with times of its own.
+// history.h5: columns of numbers over time, a group for each observer that fills some, each with times of its own.
 //
 // Rows are kept in memory for a second at most, then they join the file in one step (hdf5_file.hpp): whenever a run is
 // killed, the file can be read, and lacks the rows of the last second. All rows up to a restart file are in the file

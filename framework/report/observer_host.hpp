@@ -27,12 +27,12 @@ class ObserverHost {
 
   /// Begins history.h5 in the folder, or removes one of an earlier run where nobody fills columns; writes first rows.
   void start(const std::string& folder);
-  /// Takes up the states of observers, and goes on with history.h5. Throws InputError where they are not those of the
-  /// input.
+  /// Takes up the states of observers, and goes on with history.h5. Throws InputError where the input has
+  /// others.
   void resume(const std::string& folder, const std::vector<ObserverProgress>& progress);
   void before_forces(const Step& step);
   void after_forces(const Step& step);
-  /// Calls those that want every cycle, and those that are due. Throws PhysicsError where an observer throws.
+  /// Calls the observers that want every cycle or are due. Throws PhysicsError where an observer throws.
   void after_step(const Step& step);
   /// Last rows, and closes the file.
   void finish();

@@ -288,3 +288,72 @@ def test_compare_says_what_cannot_be_read(tmp_path):
     done = run_tool("compare.py", a, tmp_path)
     assert done.returncode == 1 and said(done) == f"kerf compare: there is no {tmp_path / 'summary.json'}"
     assert run_tool("compare.py", a, a, "--tolerance", "nan").returncode == 2
+
+
+# ---- columns of observers
+
+def write_columns(folder, pressure=1.0e9, name="pressure", gone=2):
+    """history.h5 of a gauge whose element is gone after some rows, and of a part."""
+    values = pressure * np.sin(np.linspace(0.0, 3.0, 40))
+    values[40 - gone:] = np.nan
+    with h5py.File(folder / "history.h5", "w") as file:
+        for group, columns in {"nose": {name: (values, b"Pa"), "id": (np.full(40, 7.0), b"-")},
+                               "bodies": {"rod.mass": (np.ones(40), b"kg"), "rod.kinetic": (values[::-1], b"J")}}.items():
+            g = file.create_group(group)
+            g["time"], g.attrs["unit of time"] = np.linspace(0.0, 40.0e-6, 40), np.bytes_(b"s")
+            for column, (data, unit) in columns.items():
+                g[column] = data
+                g.attrs[f"unit of {column}"] = np.bytes_(unit)
+
+
+def test_plot_draws_a_chart_for_each_observer(tmp_path):
+    write_run(tmp_path / "run")
+    write_columns(tmp_path / "run")
+    done = run_tool("plot.py", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    for name in ("observer_nose.png", "observer_bodies.png"):
+        assert name in done.stdout
+        assert (tmp_path / "run" / "plots" / name).stat().st_size > 10_000  # a chart with curves, not an empty frame
+
+
+def test_plot_names_the_columns_that_it_leaves_out(tmp_path):
+    write_run(tmp_path / "run")
+    write_columns(tmp_path / "run", gone=40)
+    done = run_tool("plot.py", tmp_path / "run")
+    assert done.returncode == 0
+    assert "observer_nose.png leaves out 1 columns of the observer nose: pressure" in done.stderr
+    assert not (tmp_path / "run" / "plots" / "observer_nose.png").exists()
+
+
+def test_an_energy_that_is_new_is_drawn(tmp_path, monkeypatch):
+    """Columns of energies are found by their unit, so that an account needs no list in the charts."""
+    write_run(tmp_path / "run")
+    path = tmp_path / "run" / "history.csv"
+    rows = list(csv.reader(path.open()))
+    more = [[*rows[0], "detonation [J]"], *([*row, str(i)] for i, row in enumerate(rows[1:]))]
+    with path.open("w", newline="") as file:
+        csv.writer(file).writerows(more)
+    results = post_module("results")
+    assert "detonation" in results.energies_of(path) and "momentum_x" not in results.energies_of(path)
+    assert run_tool("plot.py", tmp_path / "run").returncode == 0
+
+
+def test_compare_looks_at_the_columns_of_observers(tmp_path):
+    for name, pressure in (("a", 1.0e9), ("b", 1.0e9), ("c", 1.1e9)):
+        write_run(tmp_path / name)
+        write_columns(tmp_path / name, pressure)
+    same = run_tool("compare.py", tmp_path / "a", tmp_path / "b")
+    assert same.returncode == 0 and "observer nose, 40 and 40 rows" in same.stdout
+    other = run_tool("compare.py", tmp_path / "a", tmp_path / "c")
+    assert other.returncode == 3
+    assert any(line.startswith("* pressure") for line in other.stdout.splitlines())
+    write_run(tmp_path / "d")
+    lacking = run_tool("compare.py", tmp_path / "a", tmp_path / "d")
+    assert lacking.returncode == 3 and "* observer nose: missing or empty in B" in lacking.stdout
+
+
+def test_damaged_columns_are_named(tmp_path):
+    write_run(tmp_path / "run")
+    (tmp_path / "run" / "history.h5").write_bytes(b"no HDF5 at all")
+    done = run_tool("plot.py", tmp_path / "run")
+    assert done.returncode == 0 and "history.h5 cannot be read" in done.stderr

@@ -118,13 +118,13 @@ class ObservedModel {
   /// A column for each component of an element field or a node field: "stress_xx", "velocity_x", "pressure".
   virtual std::vector<ObservedColumn> columns_of_field(const std::string& name) const = 0;
   virtual std::vector<ObservedColumn> columns_of_node_field(const std::string& name) const = 0;
-  /// A field of all live elements of a part on this rank, n_components values for one element after another. Fields are
-  /// those of output.element_fields, every state variable, and what elements store: mass [kg], volume [m3], deviator_xx
-  /// to deviator_zx [Pa], viscous_energy [J]. NaN where the part has no such field.
+  /// A field of all live elements of a part on this rank, n_components values for one element after another. There
+  /// are the fields of output.element_fields, every state variable, and what elements store: mass [kg], volume [m3],
+  /// deviator_xx to deviator_zx [Pa], viscous_energy [J]. NaN where the part does not have the field.
   virtual std::vector<double> field(int part, const std::string& name) const = 0;
   /// The same of the i-th element.
   virtual std::vector<double> field_of(int part, int i, const std::string& name) const = 0;
-  /// A node field (those of output.node_fields) of one node of this rank.
+  /// A field of output.node_fields of one node of this rank.
   virtual std::vector<double> node_field(int node, const std::string& name) const = 0;
 
   /// Sums over all terms of all ranks, list by list; NaN where a term is not finite. Collective.
