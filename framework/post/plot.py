@@ -26,7 +26,8 @@ try:
     matplotlib.use("Agg")
     import charts
     import pictures
-    from results import Results, ResultsError, energies_of, read_history, read_observers, read_summary, units_of_observers
+    from results import (Results, ResultsError, energies_of, read_history, read_observers, read_summary,
+                         units_of_observers)
 except ModuleNotFoundError as error:
     sys.exit(f"kerf plot: the Python package {error.name} is missing; ./kerf build installs it, unless KERF_PYTHON "
              "names another Python")
@@ -84,8 +85,9 @@ def title_of(folder: Path, summary: dict) -> str:
 
 
 def draw_observers(folder: Path, title: str, into: Path, drawn: list[str], notes: list[str]) -> None:
+    observers = read_observers(folder / "history.h5")  # says what is wrong with a damaged file
     units = units_of_observers(folder / "history.h5")
-    for name, columns in read_observers(folder / "history.h5").items():
+    for name, columns in observers.items():
         if len(columns.get("time", [])) == 0:
             notes.append(f"the observer {name} has filled no row")
             continue
@@ -94,7 +96,8 @@ def draw_observers(folder: Path, title: str, into: Path, drawn: list[str], notes
         if path.exists():
             drawn.append(path.name)
         if left_out:
-            notes.append(f"{path.name} leaves out {len(left_out)} columns of the observer {name}: {', '.join(left_out)}")
+            notes.append(f"{path.name} leaves out {len(left_out)} columns of the observer {name}: "
+                         + ", ".join(left_out))
 
 
 def draw(folder: Path, arguments: argparse.Namespace, into: Path, drawn: list[str], notes: list[str]) -> None:

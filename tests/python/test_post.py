@@ -297,8 +297,9 @@ def write_columns(folder, pressure=1.0e9, name="pressure", gone=2):
     values = pressure * np.sin(np.linspace(0.0, 3.0, 40))
     values[40 - gone:] = np.nan
     with h5py.File(folder / "history.h5", "w") as file:
-        for group, columns in {"nose": {name: (values, b"Pa"), "id": (np.full(40, 7.0), b"-")},
-                               "bodies": {"rod.mass": (np.ones(40), b"kg"), "rod.kinetic": (values[::-1], b"J")}}.items():
+        groups = {"nose": {name: (values, b"Pa"), "id": (np.full(40, 7.0), b"-")},
+                  "bodies": {"rod.mass": (np.ones(40), b"kg"), "rod.kinetic": (values[::-1], b"J")}}
+        for group, columns in groups.items():
             g = file.create_group(group)
             g["time"], g.attrs["unit of time"] = np.linspace(0.0, 40.0e-6, 40), np.bytes_(b"s")
             for column, (data, unit) in columns.items():
@@ -325,7 +326,7 @@ def test_plot_names_the_columns_that_it_leaves_out(tmp_path):
     assert not (tmp_path / "run" / "plots" / "observer_nose.png").exists()
 
 
-def test_an_energy_that_is_new_is_drawn(tmp_path, monkeypatch):
+def test_an_energy_that_is_new_is_drawn(tmp_path):
     """Columns of energies are found by their unit, so that an account needs no list in the charts."""
     write_run(tmp_path / "run")
     path = tmp_path / "run" / "history.csv"

@@ -116,7 +116,7 @@ def test_the_section_of_a_struck_bar_carries_rho_c_v(bar):
     cut = columns(bar, "cut")
     plateau = (cut["time"] > 1.6 * 20e-3 / c) & (cut["time"] < 2.6 * 20e-3 / c)
     assert plateau.sum() >= 30
-    # The bar is only four diameters long, so radial inertia makes the plateau wavy; its mean is that of the theory.
+    # The bar is only four diameters long, so radial inertia makes the plateau wavy; its mean is what theory says.
     assert -cut["normal_force"][plateau].mean() == pytest.approx(rho * c * v * 1e-4, rel=0.05)
 
 
