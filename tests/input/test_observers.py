@@ -74,5 +74,6 @@ def test_columns_are_due_at_their_own_interval(tmp_path):
         times = file["watch/time"][()]
         assert file["watch"].attrs["unit of striker.kinetic"] == b"J"
     assert len(times) == 5
-    assert all(0.0 <= t - 0.5e-6 * i < 0.05e-6 for i, t in enumerate(times[:-1]))
+    # A row is due at the first step that reaches its time, to within a billionth of the run, for round-off.
+    assert all(-2e-15 <= t - 0.5e-6 * i < 0.05e-6 for i, t in enumerate(times[:-1]))
     assert times[-1] == summary_of(tmp_path / "out")["end_time"]

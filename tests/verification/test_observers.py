@@ -109,7 +109,7 @@ def test_a_wall_gives_back_the_momentum_that_it_took(bar):
 
 
 def test_the_section_of_a_struck_bar_carries_rho_c_v(bar):
-    """The plateau of a long bar: sigma = rho c v with c = sqrt(E / rho), until the wave comes back from the free end."""
+    """The plateau of a long bar: sigma = rho c v with c = sqrt(E / rho), until the wave comes back from the end."""
     k, g, rho, v = 160e9, 80e9, 7850.0, 20.0
     young = 9.0 * k * g / (3.0 * k + g)
     c = math.sqrt(young / rho)
