@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from test_plate_impact import C_ELASTIC, C_PLASTIC, HEL, PRESSURE, SIGMA, SPEED, TOLERANCE, Y
+from test_plate_impact import C_ELASTIC, C_PLASTIC, HEL, PRESSURE, RHO, SIGMA, SPEED, TOLERANCE, Y
 
 PLATE = "plate_impact/plate_impact.yaml"
 X = 2.0e-3  # place of the gauges in the target [m]
@@ -46,9 +46,10 @@ def test_a_gauge_shows_the_plateau_of_stress_and_pressure(plates):
 def test_a_gauge_moves_with_its_material_and_a_fixed_one_does_not(plates):
     c, fixed = columns(plates, "cell"), columns(plates, "space")
     assert len(set(c["id"])) == 1
-    # Behind the waves all moves at half the speed of the impact; the wave comes at X / C_PLASTIC.
-    moved = SPEED / 2.0 * (c["time"][-1] - X / C_PLASTIC)
-    assert c["position_x"][-1] - c["position_x"][0] == pytest.approx(moved, rel=0.05)  # the precursor moves it, too
+    # Material moves at HEL / (rho c) between the two waves, and at half the speed of the impact behind them.
+    x = c["position_x"][0]
+    moved = HEL / (RHO * C_ELASTIC) * (x / C_PLASTIC - x / C_ELASTIC) + SPEED / 2.0 * (c["time"][-1] - x / C_PLASTIC)
+    assert c["position_x"][-1] - x == pytest.approx(moved, rel=TOLERANCE)
     assert np.abs(fixed["position_x"] - X).max() < 0.1e-3  # never more than a cell off
     assert -fixed["stress_xx"][behind_both_waves(fixed)].mean() == pytest.approx(SIGMA, rel=TOLERANCE)
 
@@ -82,7 +83,7 @@ def block(**more):
             "materials": {"metal": {"density": 7850, "strength": {"type": "elastic", "shear_modulus": 80e9},
                                     "eos": {"type": "linear", "bulk_modulus": 160e9}}},
             "parts": {"bar": {"material": "metal", "velocity": [-20, 0, 0],
-                              "mesh": {"type": "block", "size": [40e-3, 10e-3, 10e-3], "cells": [16, 4, 4]}}},
+                              "mesh": {"type": "block", "size": [40e-3, 10e-3, 10e-3], "cells": [32, 6, 6]}}},
             "boundaries": [{"type": "rigid_wall", "point": [0, 0, 0], "normal": [1, 0, 0]}],
             "output": {"history_interval": 0.1e-6}, **more}
 
@@ -100,7 +101,7 @@ def test_a_wall_gives_back_the_momentum_that_it_took(bar):
     gained = whole["bar.momentum_x"] - whole["bar.momentum_x"][0]
     scale = np.abs(whole["bar.momentum_x"][0])
     assert np.abs(gained).max() > scale  # it has turned round
-    # Impulses are counted in quanta of 2^-51 of the model's momentum, one for each of 25 nodes and each step.
+    # Impulses are counted in quanta of 2^-51 of the model's momentum, one for each of 49 nodes and each step.
     assert np.abs(wall["rigid_wall_1.impulse_x"] - gained).max() < 1e-10 * scale
     assert bar.summary["momentum"]["external_impulse"][0] == wall["rigid_wall_1.impulse_x"][-1]
     force = wall["rigid_wall_1.force_x"]
@@ -115,7 +116,7 @@ def test_the_section_of_a_struck_bar_carries_rho_c_v(bar):
     c = math.sqrt(young / rho)
     cut = columns(bar, "cut")
     plateau = (cut["time"] > 1.6 * 20e-3 / c) & (cut["time"] < 2.6 * 20e-3 / c)
-    assert plateau.sum() >= 30
+    assert plateau.sum() >= 15
     # The bar is only four diameters long, so radial inertia makes the plateau wavy; its mean is what theory says.
     assert -cut["normal_force"][plateau].mean() == pytest.approx(rho * c * v * 1e-4, rel=0.05)
 
