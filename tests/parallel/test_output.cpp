@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "erosion/record.hpp"
+#include "model/accounts.hpp"
 #include "output/collective.hpp"
 #include "output/hdf5_file.hpp"
 #include "output/history.hpp"
@@ -554,18 +555,21 @@ TEST_F(SummaryFile, has_the_keys_of_the_contract_and_null_for_what_is_not_a_numb
   Summary s;
   s.ranks = 2;
   s.exit = "completed";
+  for (const BookLine& line : book_lines())
+    if ((line.places & in_energy) != 0) s.energy[line.name] = 1.0;
   s.energy["balance_error"] = std::numeric_limits<double>::quiet_NaN();
   s.momentum.final = {1.0, 2.0, 3.0};
   s.eroded.by_part["rod"] = 4;
   s.parts["rod"] = {10, 6, 0.5, {0.0, 0.0, -100.0}, 2500.0};
   s.measures["length"] = 0.1 + 0.2;
   s.timers["halo"] = {1.0, 2.0, 3.0};
+  s.observers["nose"]["rows_without_value"] = 3.0;
   s.rebalances.push_back({100, 1.5, 1.01, 77, 0.25});
   write_summary(path("summary.json"), s);
   const auto json = nlohmann::json::parse(text_of(path("summary.json")));
   for (const char* key : {"kerf_version", "input", "ranks", "cycles", "end_time", "wall_seconds", "element_cycles",
                           "element_cycles_per_second", "state_hash", "exit", "energy", "momentum", "mass", "eroded",
-                          "parts", "measures", "timers", "rebalances"})
+                          "parts", "measures", "timers", "rebalances", "observers"})
     EXPECT_TRUE(json.contains(key)) << key;
   for (const char* key : {"initial", "kinetic", "internal", "hourglass", "bulk_viscosity", "contact", "external",
                           "eroded", "balance_error"})
@@ -576,6 +580,7 @@ TEST_F(SummaryFile, has_the_keys_of_the_contract_and_null_for_what_is_not_a_numb
   EXPECT_EQ(json["parts"]["rod"]["velocity"][2], -100.0);
   EXPECT_EQ(json["measures"]["length"].get<double>(), 0.1 + 0.2);
   EXPECT_EQ(json["timers"]["halo"]["mean"], 2.0);
+  EXPECT_EQ(json["observers"]["nose"]["rows_without_value"], 3.0);
   EXPECT_EQ(json["rebalances"][0]["elements_moved"], 77);
   EXPECT_FALSE(fs::exists(path("summary.json.part")));
 }
