@@ -288,11 +288,11 @@ void contact_forces(benchmark::State& state) {
   v.position = position.data();
   v.velocity = velocity.data();
   v.mass = mass.data();
-  v.node_part = found.node_part.data();
+  v.node_body = found.node_body.data();
   v.n_facets = static_cast<int>(found.facet_id.size());
   v.facet_id = found.facet_id.data();
   v.facet_nodes = found.facet_nodes.data();
-  v.facet_part = found.facet_part.data();
+  v.facet_body = found.facet_body.data();
   v.facet_bulk_modulus = found.facet_bulk_modulus.data();
   v.facet_volume = found.facet_volume.data();
   v.facet_edge = found.facet_edge.data();
