@@ -244,7 +244,7 @@ void expect_well_formed(const RandomSurface& surface, const Candidates& c) {
   for (const std::int32_t f : referred) {
     const auto it = facet.find(c.facet_id[f]);
     ASSERT_NE(it, facet.end()) << "facet " << c.facet_id[f] << " is gone";
-    EXPECT_EQ(c.facet_body[f], it->second->part);
+    EXPECT_EQ(c.facet_body[f], it->second->body);
     for (int k = 0; k < 4; ++k) EXPECT_EQ(c.node_id[c.facet_nodes[4 * f + k]], it->second->nodes[k]);
   }
 }
