@@ -198,7 +198,8 @@ def test_a_wave_crosses_a_joined_interface_as_its_impedances_say(kerf):
         "sets": {"end": {"parts": "first", "face": "z_min"}},
         "boundaries": [
             *({"type": "symmetry", "normal": normal, "point": point} for normal, point in (
-                ([1, 0, 0], [0, 0, 0]), ([-1, 0, 0], [cell, 0, 0]), ([0, 1, 0], [0, 0, 0]), ([0, -1, 0], [0, cell, 0]))),
+                ([1, 0, 0], [0, 0, 0]), ([-1, 0, 0], [cell, 0, 0]),
+                ([0, 1, 0], [0, 0, 0]), ([0, -1, 0], [0, cell, 0]))),
             {"type": "prescribed_motion", "nodes": "end", "velocity": [0, 0, 1.0]},
         ],
         "output": {**FIELDS, "results_interval": 1.5 * arrival},
