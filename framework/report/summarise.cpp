@@ -104,7 +104,8 @@ MeasureModel gather_model(const Model& model) {
   }
   KERF_ASSERT(model.n_nodes <= std::numeric_limits<std::int32_t>::max(), "measures number nodes in 32 bits");
   if (model.rank() == 0) {
-    m.nodes.resize(static_cast<std::size_t>(model.n_nodes), {-1, -1, true, 0.0, {}, {}, {}});
+    for (std::int64_t n = 0; n < model.n_nodes; ++n)
+      m.nodes.push_back({-1, model.part_of_node(n), true, 0.0, {}, {}, {}});
     m.elements.resize(static_cast<std::size_t>(model.n_elements), {-1, -1, 0.0, {}, &hexahedron});
   }
   take_on_root<NodeRecord>(
