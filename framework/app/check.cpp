@@ -51,7 +51,7 @@ double cycles_of(const Simulation& simulation, const TimeInput& time) {
 
 /// One restart file holds every node and element with all its state [bytes].
 double restart_size(const Model& model) {
-  double bytes = static_cast<double>(model.n_nodes) * 20.0 * 8.0;
+  double bytes = static_cast<double>(model.n_nodes) * 23.0 * 8.0;
   for (const PartModel& p : model.parts)
     bytes += static_cast<double>(p.n_elements) * (9.0 + static_cast<double>(p.store->record_size())) * 8.0;
   return bytes;

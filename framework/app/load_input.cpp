@@ -82,9 +82,6 @@ std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& op
   validate(*input, origins, diagnostics);
   diagnostics.throw_if_errors();
   input->warnings = diagnostics.warnings();
-  if (input->boundaries.size() > 64 || input->sets.size() > 64 || input->parts.size() > 64)
-    throw InputError({fmt::format("{}: error: there are more than 64 parts, sets or boundary conditions; merge some",
-                                  options.input)});
   return input;
 }
 

@@ -61,15 +61,15 @@ void Integrator::advance_guarded(Model& model, const Step& step, const std::vect
   const auto& constrained = constraints_.constrained();
   advance_nodes(nodes, model.quanta.force.quantum, step.kick_dt(), step.dt,
                 [&](int i, Quad before, Quad after, Quad from, Quad to) {
-                  if (constraints_.near(i) == 0 || !constraints_.ends_in_region(i, planes, vector_of(to))) return;
+                  if (!constraints_.has_near(i) || !constraints_.ends_in_region(i, planes, vector_of(to))) return;
                   hits.push_back({i, vector_of(before), vector_of(after), vector_of(from)});
                 });
   std::size_t next = 0;  // constrained nodes are computed before the pass, with all their conditions
   for (const Hit& h : hits) {
-    while (next < constrained.size() && constrained[next].node < h.node) ++next;
-    if (next < constrained.size() && constrained[next].node == h.node) continue;
+    while (next < constrained.size() && constrained[next] < h.node) ++next;
+    if (next < constrained.size() && constrained[next] == h.node) continue;
     nodes.set_x(h.node, h.from);
-    const Vec3 v = constraints_.constrain(model, h.node, 0, step, planes, h.before, h.free_flight);
+    const Vec3 v = constraints_.constrain(model, h.node, step, planes, h.before, h.free_flight);
     count(model, h.node, h.before, h.free_flight, v, ledger);
     nodes.set_v(h.node, v);
     nodes.set_x(h.node, h.from + v * step.dt);
@@ -84,12 +84,12 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
   saved_.clear();
   const auto& constrained = constraints_.constrained();
   const std::vector<HalfSpace> planes = Constraints::regions(model, step);
-  for (const Constraints::Constrained& c : constrained) {
-    const Vec3 before = nodes.v(c.node), free_flight = vector_of(kicked(nodes, c.node, factor));
-    const Vec3 v = constraints_.constrain(model, c.node, c.always, step, planes, before, free_flight);
-    const Vec3 x = nodes.x(c.node);
+  for (const std::int32_t c : constrained) {
+    const Vec3 before = nodes.v(c), free_flight = vector_of(kicked(nodes, c, factor));
+    const Vec3 v = constraints_.constrain(model, c, step, planes, before, free_flight);
+    const Vec3 x = nodes.x(c);
     saved_.insert(saved_.end(), {v.x, v.y, v.z, x.x, x.y, x.z});
-    count(model, c.node, before, free_flight, v, ledger);
+    count(model, c, before, free_flight, v, ledger);
   }
   old_load_velocity_.clear();
   for (const std::int32_t n : load.nodes)
@@ -104,8 +104,8 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
   for (std::size_t k = 0; k < constrained.size(); ++k) {
     const double* s = &saved_[6 * k];
     const Vec3 v{s[0], s[1], s[2]};
-    nodes.set_v(constrained[k].node, v);
-    nodes.set_x(constrained[k].node, Vec3{s[3], s[4], s[5]} + v * step.dt);
+    nodes.set_v(constrained[k], v);
+    nodes.set_x(constrained[k], Vec3{s[3], s[4], s[5]} + v * step.dt);
   }
   for (std::size_t k = 0; k < load.nodes.size(); ++k) {
     const double* v = &old_load_velocity_[3 * k];
@@ -133,20 +133,15 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
     enter(i, nodes.v(static_cast<int>(i)), vector_of(kicked(nodes, static_cast<int>(i), factor)));
   std::int64_t external = 0, contact = 0, friction = 0;
   const std::vector<HalfSpace> planes = Constraints::regions(model, next);
-  const auto apply = [&](int i, std::uint64_t always) {
+  const auto apply = [&](int i) {
     const Vec3 before = nodes.v(i), free_flight = vector_of(kicked(nodes, i, factor));
-    const Vec3 v = constraints_.constrain(model, i, always, next, planes, before, free_flight);
+    const Vec3 v = constraints_.constrain(model, i, next, planes, before, free_flight);
     enter(static_cast<std::size_t>(i), before, v);
     if (nodes.owned[i]) external += ledger.energy_quanta(model, nodes.mass[i] * dot(v - free_flight, before));
   };
-  const auto& constrained = constraints_.constrained();
   const int n_asked = constraints_.none() ? 0 : nodes.n();
-  std::size_t at = 0;
-  for (int i = 0; i < n_asked; ++i) {
-    const bool listed = at < constrained.size() && constrained[at].node == i;
-    if (listed || constraints_.near(i) != 0) apply(i, listed ? constrained[at].always : 0);
-    at += listed ? 1 : 0;
-  }
+  for (int i = 0; i < n_asked; ++i)
+    if (constraints_.has_always(i) || constraints_.has_near(i)) apply(i);
   for (std::size_t k = 0; k < load.nodes.size(); ++k) {
     contact += contact_work(model, ledger, &load.force[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
     friction += contact_work(model, ledger, &load.friction[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));

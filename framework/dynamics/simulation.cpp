@@ -272,8 +272,8 @@ void Simulation::add_contact_forces(const Step& step) {
   for (auto& c : contacts_) {
     c->add_forces(model_, step, prediction, timers_);
     for (const ContactTouches::LetGo& l : c->touches().all_let_go())
-      ledger_.let_go.add(c->part_of(l.node), std::llrint(c->mass_of(l.node) / ledger_.mass_quantum), l.depth,
-                         prediction.step().end());
+      ledger_.let_go.add(model_.part_of_node(c->id_of(l.node)), std::llrint(c->mass_of(l.node) / ledger_.mass_quantum),
+                         l.depth, prediction.step().end());
     // The next definition predicts with these forces, on ghosts too.
     const auto scope = timers_.measure("halo");
     copy_to_ghosts(model_, model_.nodes.force.data(), 4);
@@ -325,13 +325,14 @@ void Simulation::erode(const Step& step) {
   if (step.cycle % 100 == 0 && erosion_->drop_distant_nodes(model_, ledger_))
     for (auto& c : contacts_) c->invalidate();
   if ((reduction_.flags & flag_failed) == 0) return;
-  std::vector<std::int64_t> dead;
+  std::vector<std::int64_t> dead;  // numbered body by body, as contact does
   std::vector<ExteriorFacet> opened;
   {
     const auto scope = timers_.measure("erosion");
     eroded_now_ = erosion_->erode(model_, step, ledger_);
     erosion_->update_free_nodes(model_);
-    for (const ErosionRecord& r : eroded_now_) dead.push_back(r.element);
+    for (const ErosionRecord& r : eroded_now_)
+      dead.push_back(r.element + model_.parts[model_.part_of_element(r.element)].shift_in_body);
     opened = model_.surface.opened_by(model_.surface_mesh(), erosion_->retired());
   }
   {

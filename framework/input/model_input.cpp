@@ -84,6 +84,16 @@ void PartInput::describe(Schema<PartInput>& s) {
       .by_default("[0, 0, 0]");
 }
 
+void JoinedInput::describe(Schema<JoinedInput>& s) {
+  s.texts(&JoinedInput::parts, "parts", "two parts or more that share the nodes in which their meshes meet");
+  s.real(&JoinedInput::tolerance, "tolerance", "m", positive,
+         "distance up to which two nodes of different parts become one; by default a millionth of the shortest edge of "
+         "the mesh")
+      .optional();
+  s.rule("parts", "at least two parts are needed to join anything",
+         [](const JoinedInput& j) { return j.parts.size() >= 2; });
+}
+
 void SetInput::describe(Schema<SetInput>& s) {
   s.texts(&SetInput::parts, "parts", "parts whose nodes are taken; all where absent").optional();
   s.text(&SetInput::face, "face", "face of the generator whose nodes are taken").optional();
@@ -171,6 +181,8 @@ void ModelInput::describe(Schema<ModelInput>& s) {
   s.block(&ModelInput::time, "time", "how long the run is and how its time step is chosen");
   s.block_map(&ModelInput::materials, "materials", "materials by name");
   s.block_map(&ModelInput::parts, "parts", "bodies by name");
+  s.block_list(&ModelInput::joined, "joined", "parts that are bonded: they share the nodes in which their meshes meet")
+      .optional();
   s.block_map(&ModelInput::sets, "sets", "named sets of nodes, facets and elements").optional();
   s.block_list(&ModelInput::initial_states, "initial_state", "values of state variables before the first step")
       .optional();

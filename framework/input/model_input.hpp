@@ -83,6 +83,14 @@ struct SetInput {
   static void describe(Schema<SetInput>& s);
 };
 
+/// Parts that become one where nodes of their undeformed meshes meet.
+struct JoinedInput {
+  std::vector<std::string> parts;
+  double tolerance = 0.0;  // [m]; 0 where absent
+  std::string origin;  // where it was written; not a key of the input
+  static void describe(Schema<JoinedInput>& s);
+};
+
 struct BalanceInput {
   bool enabled = true;
   double threshold = 1.05, cost_factor = 1.0;
@@ -113,6 +121,7 @@ struct ModelInput {
   TimeInput time;
   std::vector<std::unique_ptr<MaterialInput>> materials;
   std::vector<std::unique_ptr<PartInput>> parts;
+  std::vector<std::unique_ptr<JoinedInput>> joined;
   std::vector<std::unique_ptr<SetInput>> sets;
   std::vector<std::unique_ptr<InitialStateInput>> initial_states;
   std::vector<std::unique_ptr<Boundary>> boundaries;

@@ -30,12 +30,12 @@ void digest(const Node& node, std::uint64_t& hash) {
 /// Whether an entry means the same as leaving its key out. Restart files from before the key existed still match then.
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
 
-/// Of precision, materials, parts, sets, initial states, boundaries, contacts, checks and the choice of the time step:
-/// what is computed. How long, how it is distributed and what is written may change at a restart.
+/// Of precision, materials, parts, joints, sets, initial states, boundaries, contacts, checks and the choice of the time
+/// step: what is computed. How long, how it is distributed and what is written may change at a restart.
 std::string physics_digest(const Node& root) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   for (const char* key :
-       {"precision", "materials", "parts", "sets", "initial_state", "boundaries", "contacts", "checks"})
+       {"precision", "materials", "parts", "joined", "sets", "initial_state", "boundaries", "contacts", "checks"})
     if (const Entry* entry = root.find(key); entry && !is_default(*entry)) digest(entry->value, hash);
   if (const Entry* time = root.find("time"))
     for (const Entry& entry : time->value.entries)
@@ -65,6 +65,8 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
   origins.add("", top);
   Binder(registry, diagnostics, origins)
       .bind_block(Schema<ModelInput>::described<ModelInput>(), *root, model.get(), "", top);
+  for (std::size_t k = 0; k < model->joined.size(); ++k)
+    model->joined[k]->origin = origins.find("joined[" + std::to_string(k) + "].parts").text();
   model->end_origin = origins.find("time.end").text();
   return model;
 }

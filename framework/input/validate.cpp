@@ -45,6 +45,7 @@ class Validator {
     }
     check_parts();
     prepare_meshes();
+    for (std::size_t k = 0; k < model_.joined.size(); ++k) check_joint(*model_.joined[k], k);
     for (const auto& set : model_.sets) check_set(*set);
     check_references();
     for (std::size_t i = 0; i < model_.initial_states.size(); ++i) check_initial_state(i);
@@ -130,6 +131,33 @@ class Validator {
           ready = false;
         }
       is_prepared_.push_back(ready);
+    }
+  }
+
+  void check_joint(const JoinedInput& joint, std::size_t number) {
+    const PartInput* first = nullptr;
+    Names seen;
+    for (std::size_t i = 0; i < joint.parts.size(); ++i) {
+      const std::string& name = joint.parts[i];
+      const Origin origin = origins_.find(fmt::format("joined[{}].parts[{}]", number, i));
+      if (!contains(parts_, name)) {
+        diagnostics_.error(origin,
+                           fmt::format("there is no part \"{}\"{}", name, suggestion(name, parts_, "the parts")));
+        continue;
+      }
+      if (contains(seen, name))
+        diagnostics_.error(origin, fmt::format("part {} cannot be joined with itself; expected each part once", name));
+      seen.push_back(name);
+      for (const auto& part : model_.parts) {
+        if (part->name != name) continue;
+        if (!first) first = part.get();
+        const Vec3 d = part->velocity - first->velocity;
+        if (norm(d) > 0.0)
+          diagnostics_.warning(origin,
+                               fmt::format("parts {} and {} start with different velocities and share nodes, which "
+                                           "start with the mean, weighted by mass: kinetic energy is lost at once",
+                                           first->name, name));
+      }
     }
   }
 

@@ -14,6 +14,8 @@ namespace kerf {
 
 namespace {
 
+constexpr int n_node_integers = 12, n_node_reals = 10;  // of one node
+
 void write_nodes(RestartWriter& file, Simulation& simulation) {
   const Model& model = simulation.model();
   const NodeStore& nodes = model.nodes;
@@ -30,13 +32,14 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
     if (!nodes.owned[i]) continue;
     const NodeRecord r = nodes.record(i);
     ids.push_back(r.id);
-    integers.insert(integers.end(),
-                    {static_cast<std::int64_t>(r.sets), r.part, r.free, r.force[0], r.force[1], r.force[2]});
+    integers.insert(integers.end(), {r.membership, r.part, r.free, r.force[0], r.force[1], r.force[2]});
     integers.insert(integers.end(), contact[i].begin(), contact[i].end());
     reals.insert(reals.end(),
                  {r.position[0], r.position[1], r.position[2], r.velocity[0], r.velocity[1], r.velocity[2], r.mass});
+    reals.insert(reals.end(), r.reference, r.reference + 3);
   }
-  file.write_entities("nodes", model.n_nodes, ids, {{"integers", 12, integers.data()}, {"reals", 7, reals.data()}});
+  file.write_entities("nodes", model.n_nodes, ids,
+                      {{"integers", n_node_integers, integers.data()}, {"reals", n_node_reals, reals.data()}});
 }
 
 void write_elements(RestartWriter& file, const Model& model) {
@@ -140,8 +143,8 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Pro
     }
   }
   const RestartEntities e = file.read_entities("nodes");
-  const auto& integers = e.integer("integers", 12);
-  const auto& reals = e.real("reals", 7);
+  const auto& integers = e.integer("integers", n_node_integers);
+  const auto& reals = e.real("reals", n_node_reals);
   std::vector<NodeRecord> share(e.gids.size());
   struct Load {
     std::int64_t id, force[6];  // of contact, and of friction
@@ -149,15 +152,17 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Pro
   std::vector<Load> loads;
   for (std::size_t i = 0; i < share.size(); ++i) {
     NodeRecord& r = share[i];
-    const std::int64_t* k = &integers[12 * i];
+    const std::int64_t* k = &integers[n_node_integers * i];
+    const double* real = &reals[n_node_reals * i];
     r.id = e.gids[i];
-    r.sets = static_cast<std::uint64_t>(k[0]);
+    r.membership = static_cast<std::int32_t>(k[0]);
     r.part = static_cast<std::int32_t>(k[1]);
     r.free = static_cast<std::int32_t>(k[2]);
     std::copy_n(k + 3, 3, r.force);
-    std::copy_n(&reals[7 * i], 3, r.position);
-    std::copy_n(&reals[7 * i + 3], 3, r.velocity);
-    r.mass = reals[7 * i + 6];
+    std::copy_n(real, 3, r.position);
+    std::copy_n(real + 3, 3, r.velocity);
+    r.mass = real[6];
+    std::copy_n(real + 7, 3, r.reference);
     if (k[6] != 0 || k[7] != 0 || k[8] != 0) loads.push_back({r.id, {k[6], k[7], k[8], k[9], k[10], k[11]}});
   }
   // Who will own a node is not known yet: every rank gets all loads, which are few.
@@ -198,11 +203,12 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   Model& model = simulation.model();
   RestartReader file(model.comm, path);
   if (file.text("input_digest") != input_digest)
-    throw InputError({fmt::format(
-        "{}: error: this restart file belongs to another model; resume with the input that "
-        "wrote it (precision, materials, parts, sets, boundaries, contacts, checks, and time but for its end, must be "
-        "the same)",
-        path)});
+    throw InputError(
+        {fmt::format("{}: error: this restart file belongs to another model; resume with the input that "
+                     "wrote it (precision, materials, parts, joined, sets, boundaries, contacts, checks, and time but "
+                     "for its end, must be "
+                     "the same)",
+                     path)});
   Simulation::Progress p;
   const auto clock = file.reals("clock");
   const auto counters = file.integers("counters");

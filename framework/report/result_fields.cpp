@@ -6,7 +6,7 @@
 
 #include "core/assert.hpp"
 #include "kerf/lanes.hpp"
-#include "model/reference_position.hpp"
+#include "model/joining.hpp"
 
 namespace kerf {
 
@@ -135,6 +135,14 @@ void write_topology(const Model& model, ResultsWriter& results) {
       for (int k = 0; k < part.store->n_nodes(); ++k) nodes.back()[static_cast<std::size_t>(k)] += part.first_node;
     }
   }
+  if (model.has_joined_parts()) {
+    std::vector<std::int64_t> of_mesh;
+    for (const ElementNodeIds& n : nodes) of_mesh.insert(of_mesh.end(), n.begin(), n.end());
+    const std::vector<std::int64_t> of_model = model.shared.ids.resolve(model.comm, of_mesh);
+    for (std::size_t e = 0; e < nodes.size(); ++e)
+      std::copy_n(of_model.begin() + static_cast<std::ptrdiff_t>(e * Shape::most_nodes), Shape::most_nodes,
+                  nodes[e].begin());
+  }
   results.write_topology(ids, nodes, part_of, parts);
 }
 
@@ -186,7 +194,7 @@ HeldValues<double> FrameWriter::nodal(const std::string& name) {
   if (name == "position") return {nodes.position.data(), n, 4, local_.data()};
   double* out = room_for(3 * n);  // displacement
   for (const std::int32_t i : local_) {
-    const Vec3 moved = nodes.x(i) - reference_position(model_, nodes.id[i]);
+    const Vec3 moved = nodes.x(i) - nodes.reference_position(i);
     for (int d = 0; d < 3; ++d) *out++ = moved[d];
   }
   return {values_.data(), n, 3, nullptr};

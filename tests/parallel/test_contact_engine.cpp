@@ -6,7 +6,6 @@
 #include <cmath>
 #include <string>
 
-#include "model/reference_position.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/lookout.hpp"
 #include "parallel/scene.hpp"
@@ -63,7 +62,7 @@ class Puppeteer final : public StepObserver {
   Puppeteer(const Simulation& simulation, std::uint64_t seed, Mood mood, double offset)
       : simulation_(simulation), seed_(seed), mood_(mood), offset_{offset, offset, offset} {
     for (std::int64_t id = 0; id < simulation.model().n_nodes; ++id)
-      start_.push_back(reference_position(simulation.model(), id) - offset_);
+      start_.push_back(test::generated_position(simulation.model(), id) - offset_);
   }
 
   ForceComparison comparison;
