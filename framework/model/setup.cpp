@@ -61,6 +61,7 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
                    MeshFacts& facts) {
   const PartModel& part = model.parts[p];
   const MeshGenerator& mesh = *part.input->mesh;
+  const Shape& shape = part.store->shape();
   const Placement placement(*part.input);
   const SetMarker sets(model, part);
   ElementBundle& out = bundle.parts[p];
@@ -75,7 +76,7 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
   std::vector<char> seen(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (std::int64_t e = first; e < last; ++e) {
     const auto corners = mesh.element(e);
-    HexCorners x;
+    CellCorners x;
     ElementNodeIds ids{};
     for (int k = 0; k < part.store->n_nodes(); ++k) {
       x[k] = placement.apply(mesh.node(corners[k]));
@@ -93,11 +94,11 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
       }
       bundle.nodes.push_back(r);
     }
-    const double volume = hex_volume(x);
-    if (!(volume > 0.0) || !(min_scaled_jacobian(x) > 0.0)) ++facts.n_unusable[p];
-    const double edge = longest_edge(x);
+    const double volume = part.input->element->volume(x);
+    if (!(volume > 0.0) || !(min_scaled_jacobian(shape, x) > 0.0)) ++facts.n_unusable[p];
+    const double edge = longest_edge(shape, x);
     facts.longest_edge = std::max(facts.longest_edge, edge);
-    facts.scale.shortest_edge = std::min(facts.scale.shortest_edge, shortest_edge(x));
+    facts.scale.shortest_edge = std::min(facts.scale.shortest_edge, shortest_edge(shape, x));
     facts.sizes[p] = {std::min(facts.sizes[p][0], edge), std::max(facts.sizes[p][1], edge)};
     out.ids.push_back(part.first_element + e);
     out.nodes.push_back(ids);
@@ -176,7 +177,7 @@ double greatest_speed(const Model& model) {
   return std::sqrt(greatest(model.comm, square));
 }
 
-/// Lumped nodal masses: equal shares of each element, summed in whole quanta over all ranks.
+/// Lumped nodal masses: the shares that elements give to their nodes, summed in whole quanta over all ranks.
 void lump_masses(Model& model) {
   double largest = 0.0;
   for (const PartModel& part : model.parts)
@@ -186,9 +187,9 @@ void lump_masses(Model& model) {
   std::vector<std::int64_t> sums(static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies, 0);
   for (const PartModel& part : model.parts)
     for (int s = 0; s < part.store->n_slots(); ++s) {
-      const double n_shares = part.store->n_nodes();
-      const auto share = std::llrint(part.store->field(PartStore::mass).at(s, 0) / (n_shares * quantum));
-      for (int k = 0; k < part.store->n_nodes(); ++k) sums[part.store->node(s, k)] += share;
+      const double mass = part.store->field(PartStore::mass).at(s, 0);
+      for (int k = 0; k < part.store->n_nodes(); ++k)
+        sums[part.store->node(s, k)] += std::llrint(mass * part.store->shape().mass_share[k] / quantum);
     }
   sum_over_copies(model, sums.data(), 1);
   for (int i = 0; i < model.nodes.n(); ++i) model.nodes.set_mass(i, static_cast<double>(sums[i]) * quantum);

@@ -195,14 +195,15 @@ class SolidKernel {
   }
 
   /// Freedom to breathe: an element has 3 K where a plane wave has K + 4G/3. With neighbours behind all its faces it
-  /// has none. Corners of bodies that are thicker than a cell have 3 faces exposed, and at Poisson's ratio 1/2 a
-  /// quarter of the freedom; corners of sheets have 4 and two quarters, ends of bars 5 and three, single cells 6 and
-  /// all of it.
+  /// has none. Hexahedra at corners of bodies that are thicker than a cell have 3 faces exposed, and at Poisson's ratio
+  /// 1/2 a quarter of the freedom; at corners of sheets they have 4 and two quarters, at ends of bars 5 and three, and
+  /// alone 6 and all of it. In other shapes, too, the freedom grows from the third exposed face to the last.
   [[gnu::always_inline]] void store_free_share(Work& w, int block, int lane) const {
     V share{};
     for (int l = 0; l < lanes_of<Real>; ++l) {
       const int exposed = w.exposed_faces ? w.exposed_faces[block * lane_width + lane + l] : 0;
-      share[l] = free_element_ ? Real(1.0) : Real(0.25) * static_cast<Real>(std::max(exposed - 2, 0));
+      share[l] =
+          free_element_ ? Real(1.0) : Real(1.0 / (Motion::n_faces - 2)) * static_cast<Real>(std::max(exposed - 2, 0));
     }
     store_lanes(state_at(w, block, free_share, lane), share);
   }
