@@ -116,7 +116,7 @@ class Validator {
     for (const auto& part : model_.parts)
       if (part->element && part->element->shape().dimension != Dimension::solid)
         diagnostics_.error(
-            origins_.find("parts." + part->name),
+            origins_.find("parts." + part->name + ".element"),
             fmt::format("the element {} is {}; expected an element of three dimensions", part->element->type,
                         part->element->shape().dimension == Dimension::plane ? "plane" : "axisymmetric"));
     for (const std::string& name : sets_)

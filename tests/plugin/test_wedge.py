@@ -1,6 +1,7 @@
 """An element of another shape, out of the tree: wedges and hexahedra meet in surface, contact, erosion and output."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -125,6 +126,20 @@ def test_a_mesh_of_another_shape_is_an_error_with_a_line(plugin, case):
     done = call(KERF, "check", case, "--plugin", plugin, "--set", "parts.block.element.type=hex8")
     assert done.returncode == 2
     assert "the mesh of part `block` is made of cells of the shape wedge" in done.stderr
+
+
+def test_a_plane_element_is_an_error_with_a_line(case, tmp_path):
+    source = tmp_path / "source"
+    shutil.copytree(HERE / "wedge", source)
+    law = (source / "wedge.cpp").read_text()
+    assert law.count(".vtk_type = 13") == 1
+    law = law.replace(".vtk_type = 13", ".dimension = Dimension::plane, .vtk_type = 13")
+    (source / "wedge.cpp").write_text(law)
+    done = call(KERF, "check", case, "--plugin", build(source, tmp_path / "build", "wedge.so"))
+    assert done.returncode == 2
+    line = next(i for i, text in enumerate(CASE.splitlines(), 1) if "element: {type: wedge}" in text)
+    assert f"wedges.yaml:{line}:" in done.stderr
+    assert "the element wedge is plane; expected an element of three dimensions" in done.stderr
 
 
 def test_check_reports_mesh_and_overlap_of_wedges(plugin, case):
