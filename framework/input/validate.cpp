@@ -114,6 +114,12 @@ class Validator {
             fmt::format("the mesh of part `{}` is made of cells of the shape {}, and the element {} is a "
                         "{}; expected one shape",
                         part->name, part->mesh->shape().name, part->element->type, part->element->shape().name));
+    for (const auto& part : model_.parts)
+      if (part->element && part->element->shape().dimension != Dimension::solid)
+        diagnostics_.error(
+            origins_.find("parts." + part->name + ".element"),
+            fmt::format("the element {} is {}; expected an element of three dimensions", part->element->type,
+                        part->element->shape().dimension == Dimension::plane ? "plane" : "axisymmetric"));
     for (const std::string& name : sets_)
       if (contains(parts_, name))
         diagnostics_.error(origins_.find("sets." + name),

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kerf/math.hpp"
+#include "kerf/shape.hpp"
 #include "model/aligned.hpp"
 
 namespace kerf {
@@ -34,7 +34,7 @@ struct NodeStore {
   AlignedVector<std::int64_t> force;  // four per node, in force quanta
   std::vector<double> mass, inverse_mass;  // [kg], [1/kg]; the latter zero for dropped nodes
 
-  static constexpr int n_dummies = 8;
+  static constexpr int n_dummies = 8;  // corners of a cube
   int n() const { return static_cast<int>(id.size()); }
   std::int32_t first_dummy() const { return static_cast<std::int32_t>(id.size()); }
 
@@ -101,12 +101,10 @@ struct NodeStore {
     mass[i] = m;
     inverse_mass[i] = m > 0.0 ? 1.0 / m : 0.0;
   }
-  /// Places the dummy cube; `edge` [m].
+  /// Places the dummies, the corners of a cube of which every shape's reference element takes some; `edge` [m].
   void place_dummies(double edge) {
-    constexpr double corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                                     {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
     for (int k = 0; k < n_dummies; ++k)
-      for (int d = 0; d < 3; ++d) position[4 * (first_dummy() + k) + d] = edge * corner[k][d];
+      for (int d = 0; d < 3; ++d) position[4 * (first_dummy() + k) + d] = edge * unit_cube[k][d];
   }
 };
 

@@ -79,7 +79,7 @@ void PartStore::resize(int n_slots) {
 
 void PartStore::clear_slot(int slot) {
   ids_[slot] = -1;
-  for (int k = 0; k < n_nodes_; ++k) nodes_[node_index(slot, k)] = first_dummy_ + k;
+  for (int k = 0; k < n_nodes_; ++k) nodes_[node_index(slot, k)] = first_dummy_ + shape_->reference[k];
   for (Field& f : fields_)
     for (int c = 0; c < f.n_components; ++c) f.set(slot, c, f.components[c].initial);
   fields_[mass].set(slot, 0, dummy_mass_);

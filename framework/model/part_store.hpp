@@ -121,7 +121,7 @@ class PartStore {
   int offset(FieldIndex f) const;
   /// Turns a slot into an empty one. Pre: live(slot).
   void retire(int slot, std::int32_t first_dummy);
-  /// Makes empty slots refer to the dummy nodes, whose cube has the given volume [m3].
+  /// Makes empty slots refer to the dummy nodes; their reference element has the given volume [m3].
   void set_dummies(std::int32_t first_dummy, double dummy_mass, double dummy_volume);
   /// Moves live elements together, keeping their order. Returns the new slot of every old one, -1 if empty.
   std::vector<std::int32_t> compact();
@@ -137,8 +137,8 @@ class PartStore {
   void resize(int n_slots);
   void clear_slot(int slot);
 
-  const Shape* shape_ = &hexahedron;
-  int n_nodes_ = 8;
+  const Shape* shape_ = nullptr;
+  int n_nodes_ = 0;
   int index_ = 0, n_slots_ = 0, n_live_ = 0, record_size_ = 0;
   Precision precision_ = Precision::double_precision;
   std::int64_t arrangement_ = 0;

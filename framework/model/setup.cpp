@@ -79,10 +79,11 @@ struct MeshFacts {
 };
 
 /// Makes the record of a fresh element, and notes what its shape says.
-void weigh_element(const PartModel& part, std::size_t p, const HexCorners& x, double* record, MeshFacts& facts) {
-  const double volume = hex_volume(x);
-  if (!(volume > 0.0) || !(min_scaled_jacobian(x) > 0.0)) ++facts.n_unusable[p];
-  const double edge = longest_edge(x), shortest = shortest_edge(x);
+void weigh_element(const PartModel& part, std::size_t p, const CellCorners& x, double* record, MeshFacts& facts) {
+  const Shape& shape = part.store->shape();
+  const double volume = part.input->element->volume(x);
+  if (!(volume > 0.0) || !(min_scaled_jacobian(shape, x) > 0.0)) ++facts.n_unusable[p];
+  const double edge = longest_edge(shape, x), shortest = shortest_edge(shape, x);
   facts.longest_edge = std::max(facts.longest_edge, edge);
   facts.scale.shortest_edge = std::min(facts.scale.shortest_edge, shortest);
   facts.shortest_edges[p] = std::min(facts.shortest_edges[p], shortest);
@@ -116,7 +117,7 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
   std::vector<char> seen(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (std::int64_t e = first; e < last; ++e) {
     const auto corners = mesh.element(e);
-    HexCorners x;
+    CellCorners x;
     ElementNodeIds ids{};
     for (int k = 0; k < part.store->n_nodes(); ++k) {
       x[k] = placement.apply(mesh.node(corners[k]));
@@ -215,7 +216,7 @@ void reweigh_elements(const Model& model, const std::vector<std::int64_t>& moved
     const PartStore& store = *model.parts[p].store;
     ElementBundle& elements = bundle.parts[p];
     for (std::size_t e = 0; e < elements.ids.size(); ++e) {
-      HexCorners x;
+      CellCorners x;
       bool any = false;
       for (std::size_t k = 0; k < static_cast<std::size_t>(store.n_nodes()); ++k) {
         NodeRecord wanted;
@@ -241,7 +242,7 @@ void join(Model& model, ModelBundle& bundle, const MeshFacts& facts) {
   refuse_unusable(model, changed);
 }
 
-/// Lumped nodal masses: equal shares of each element, summed in whole quanta over all ranks.
+/// Lumped nodal masses: the shares that elements give to their nodes, summed in whole quanta over all ranks.
 void lump_masses(Model& model) {
   double largest = 0.0;
   for (const PartModel& part : model.parts)
@@ -249,10 +250,10 @@ void lump_masses(Model& model) {
       largest = std::max(largest, part.store->field(PartStore::mass).at(s, 0));
   const double quantum = power_of_two_above(greatest(model.comm, largest)) * 0x1p-54;
   std::vector<std::int64_t> sums(static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies, 0);
-  const auto share = [&](std::size_t p, int slot, int) {
+  const auto share = [&](std::size_t p, int slot, int corner) {
     const PartStore& store = *model.parts[p].store;
-    const double n_shares = store.n_nodes();
-    return static_cast<std::int64_t>(std::llrint(store.field(PartStore::mass).at(slot, 0) / (n_shares * quantum)));
+    const double mass = store.field(PartStore::mass).at(slot, 0);
+    return static_cast<std::int64_t>(std::llrint(mass * store.shape().mass_share[corner] / quantum));
   };
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartStore& store = *model.parts[p].store;

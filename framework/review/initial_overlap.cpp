@@ -15,6 +15,7 @@
 
 #include "contact/box_tree.hpp"
 #include "core/fixed_sum.hpp"
+#include "mesh/quality.hpp"
 #include "mesh/shared_volume.hpp"
 #include "parallel/communicator.hpp"
 
@@ -52,16 +53,16 @@ struct Extent {
   }
 };
 
-Extent extent_of(const HexCorners& x) {
+Extent extent_of(const Cell& cell) {
   Extent e;
-  for (const Vec3& corner : x) e.include(corner);
+  for (int k = 0; k < cell.shape->n_nodes; ++k) e.include(cell.x[static_cast<std::size_t>(k)]);
   return e;
 }
 
-HexCorners corners_of(const Model& model, const PartStore& store, int slot) {
-  HexCorners x;
-  for (int k = 0; k < 8; ++k) x[static_cast<std::size_t>(k)] = model.nodes.x(store.node(slot, k));
-  return x;
+Cell cell_of(const Model& model, const PartStore& store, int slot) {
+  Cell cell{&store.shape(), {}};
+  for (int k = 0; k < store.n_nodes(); ++k) cell.x[static_cast<std::size_t>(k)] = model.nodes.x(store.node(slot, k));
+  return cell;
 }
 
 /// Boxes round the parts, of all ranks. Collective.
@@ -165,16 +166,17 @@ class Cubes {
 /// A cell near another part, as it is sent to the ranks that look at it.
 struct Suspect {
   std::int64_t id = 0, part = 0;
-  HexCorners corners;
-  std::array<std::int64_t, 8> nodes{};  // ids, in ascending order; all -1 where no parts are joined
+  CellCorners corners;
+  std::array<std::int64_t, Shape::most_nodes> nodes{};  // ids, in ascending order; negative where no parts are joined
+
+  Cell cell(const Model& model) const { return {&model.parts[static_cast<std::size_t>(part)].store->shape(), corners}; }
 };
 
 /// Whether two cells have a node in common.
 bool are_joined(const Suspect& a, const Suspect& b) {
-  if (a.nodes[0] < 0 || b.nodes[0] < 0) return false;
   for (std::size_t i = 0, j = 0; i < a.nodes.size() && j < b.nodes.size();) {
-    if (a.nodes[i] == b.nodes[j]) return true;
-    ++(a.nodes[i] < b.nodes[j] ? i : j);
+    if (a.nodes[i] == b.nodes[j] && a.nodes[i] >= 0) return true;
+    ++(a.nodes[i] <= b.nodes[j] ? i : j);
   }
   return false;
 }
@@ -187,27 +189,27 @@ void each_near(const Model& model, const MeetingPlaces& places, const Take& take
     const PartStore& store = *model.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
-      const HexCorners x = corners_of(model, store, s);
-      const Extent e = extent_of(x);
-      if (places.meets(p, e)) take(p, x, s, e);
+      const Cell cell = cell_of(model, store, s);
+      const Extent e = extent_of(cell);
+      if (places.meets(p, e)) take(p, cell.x, s, e);
     }
   }
 }
 
 /// The cells that this rank has to look at. Collective.
 std::vector<Suspect> collect_suspects(const Model& model, const MeetingPlaces& places, Cubes& cubes) {
-  each_near(model, places, [&](std::size_t part, const HexCorners&, int, const Extent& e) {
+  each_near(model, places, [&](std::size_t part, const CellCorners&, int, const Extent& e) {
     cubes.each(e, [&](std::size_t cube) { cubes.mark(cube, part); });
   });
   cubes.join_ranks(model.comm);
   std::vector<std::vector<Suspect>> outgoing(static_cast<std::size_t>(model.n_ranks()));
   std::vector<std::int64_t> last_sent(outgoing.size(), -1);  // a cell goes to each rank once
-  each_near(model, places, [&](std::size_t part, const HexCorners& x, int slot, const Extent& e) {
+  each_near(model, places, [&](std::size_t part, const CellCorners& x, int slot, const Extent& e) {
     const PartStore& store = *model.parts[part].store;
     Suspect suspect{store.id(slot), static_cast<std::int64_t>(part), x, {}};
-    for (int k = 0; k < 8; ++k)
-      suspect.nodes[static_cast<std::size_t>(k)] =
-          model.has_joined_parts() ? model.nodes.id[store.node(slot, k)] : std::int64_t{-1};
+    suspect.nodes.fill(-1);
+    for (int k = 0; model.has_joined_parts() && k < store.n_nodes(); ++k)
+      suspect.nodes[static_cast<std::size_t>(k)] = model.nodes.id[store.node(slot, k)];
     std::sort(suspect.nodes.begin(), suspect.nodes.end());
     cubes.each(e, [&](std::size_t cube) {
       if (!cubes.has_several_parts(cube)) return;
@@ -230,10 +232,10 @@ struct Outline {
   Extent box;
   double tolerance = 0.0;  // a millionth of the cell, and more than the round-off of its positions [m]
 
-  explicit Outline(const HexCorners& x) : box(extent_of(x)) {
+  explicit Outline(const Cell& cell) : box(extent_of(cell)) {
     double farthest = 0.0;
     for (int d = 0; d < 3; ++d) farthest = std::max({farthest, std::fabs(box.low[d]), std::fabs(box.high[d])});
-    tolerance = 1e-6 * longest_edge(x) + 64.0 * std::numeric_limits<double>::epsilon() * farthest;
+    tolerance = 1e-6 * longest_edge(*cell.shape, cell.x) + 64.0 * std::numeric_limits<double>::epsilon() * farthest;
   }
 };
 
@@ -252,11 +254,11 @@ struct Found {
 };
 
 /// Of two cells, the one that is warped more is cut by the other one: planes fit that one better.
-SharedVolume shared_by(const Suspect& a, const FacePlanes& planes_of_a, const Suspect& b, double tolerance) {
-  const FacePlanes planes_of_b(b.corners);
+SharedVolume shared_by(const Cell& a, const FacePlanes& planes_of_a, const Cell& b, double tolerance) {
+  const FacePlanes planes_of_b(b);
   if (planes_of_b.greatest_warp > planes_of_a.greatest_warp)
-    return shared_volume(b.corners, planes_of_b, a.corners, planes_of_a, tolerance);
-  return shared_volume(a.corners, planes_of_a, b.corners, planes_of_b, tolerance);
+    return shared_volume(b, planes_of_b, a, planes_of_a, tolerance);
+  return shared_volume(a, planes_of_a, b, planes_of_b, tolerance);
 }
 
 /// All pairs of cells that are this rank's to look at; entry p * n + q for parts p < q of n.
@@ -268,7 +270,7 @@ std::vector<Found> compare(const Model& model, const Cubes& cubes, const std::ve
   for (std::size_t p = 0; p < n; ++p) first[p + 1] += first[p];
   std::vector<Outline> outlines;
   outlines.reserve(suspects.size());
-  for (const Suspect& s : suspects) outlines.emplace_back(s.corners);
+  for (const Suspect& s : suspects) outlines.emplace_back(s.cell(model));
   const auto box_of = [&](const Outline& o) {
     return Box::spanned(o.box.low - cubes.origin(), o.box.high - cubes.origin(), 0.0);
   };
@@ -277,16 +279,16 @@ std::vector<Found> compare(const Model& model, const Cubes& cubes, const std::ve
     for (std::size_t i = first[q]; i < first[q + 1]; ++i) tree.add(box_of(outlines[i]));
     tree.finish();
     for (std::size_t i = 0; i < first[q]; ++i) {  // cells of the parts before q
-      const Suspect& a = suspects[i];
-      const FacePlanes planes(a.corners);
-      Found& pair = found[static_cast<std::size_t>(a.part) * n + q];
+      const Cell a = suspects[i].cell(model);
+      const FacePlanes planes(a);
+      Found& pair = found[static_cast<std::size_t>(suspects[i].part) * n + q];
       tree.each(box_of(outlines[i]), [&](std::size_t place) {
         const std::size_t j = first[q] + place;
         const double tolerance = std::min(outlines[i].tolerance, outlines[j].tolerance);
         const Extent common = common_box(outlines[i].box, outlines[j].box, tolerance);
         if (common.is_empty() || cubes.rank_of(common.low, model.n_ranks()) != model.rank()) return;
         if (are_joined(a, suspects[j])) return;
-        const SharedVolume s = shared_by(a, planes, suspects[j], tolerance);
+        const SharedVolume s = shared_by(a, planes, suspects[j].cell(model), tolerance);
         if (!(s.volume > 0.0)) return;
         pair.volumes.push_back(s.volume);
         pair.where.include(Extent{s.low, s.high});

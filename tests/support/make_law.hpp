@@ -22,14 +22,15 @@ inline const Registry& builtin_plugins() {
 /// The plugin `name` with parameters as a user would write them, "{shear_modulus: 80.19 GPa}". Mistakes, broken
 /// rules among them, throw InputError.
 template <class Law>
-std::unique_ptr<Law> make_law(const std::string& kind, const std::string& name, const std::string& parameters = "{}") {
-  const Description* description = builtin_plugins().find(kind, name);
+std::unique_ptr<Law> make_law(const std::string& kind, const std::string& name, const std::string& parameters = "{}",
+                              const Registry& plugins = builtin_plugins()) {
+  const Description* description = plugins.find(kind, name);
   if (description == nullptr) throw std::runtime_error("no " + kind + " is called " + name);
-  Made made = builtin_plugins().make(kind, name);
+  Made made = plugins.make(kind, name);
   Diagnostics diagnostics;
   OriginMap origins;
   const Node node = node_from_text(parameters, Origin{}, diagnostics);
-  Binder(builtin_plugins(), diagnostics, origins).bind_block(*description, node, made.parameters, name, Origin{});
+  Binder(plugins, diagnostics, origins).bind_block(*description, node, made.parameters, name, Origin{});
   diagnostics.throw_if_errors();
   return std::unique_ptr<Law>(dynamic_cast<Law*>(made.plugin.release()));
 }
