@@ -247,7 +247,7 @@ parts:
                                skin + R"(, cells: 1}]
 contacts: [{type: eroding_surface}]
 )");
-      EXPECT_NO_THROW(Simulation(MPI_COMM_WORLD, *input, scene_registry())) << "skin up to " << skin << ", gap " << gap;
+      EXPECT_NO_THROW(Simulation(MPI_COMM_WORLD, *input)) << "skin up to " << skin << ", gap " << gap;
     }
 }
 
