@@ -34,17 +34,18 @@ def worst_balance(run):
 
 
 def test_a_free_block_falls(kerf):
-    g, end = 1e6, 1e-4
+    g, end, step = 1e6, 1e-4, 2e-7
     mesh = {"type": "block", "size": [0.02, 0.01, 0.01], "cells": [4, 3, 2]}
-    run = kerf(body(mesh, end, step=1e-6, velocity=(3, 0, 0),
+    run = kerf(body(mesh, end, step=step, velocity=(3, 0, 0),
                     loads=[{"type": "gravity", "acceleration": [0, 0, -g]}]))
     moved, speed = run.results.node("displacement", -1), run.results.node("velocity", -1)
-    # A hundred equal steps: the sum of central differences is the parabola, but for round-off of positions of 0.02 m.
+    # Five hundred equal steps: the sum of central differences is the parabola, but for round-off of positions of 0.02 m.
     assert moved[:, 2] == pytest.approx(-g * end**2 / 2, rel=1e-9)
     assert moved[:, 0] == pytest.approx(3 * end, rel=1e-9)
     assert np.ptp(speed[:, 2]) <= 1e-6  # no strain, but for the rounding of positions times the modulus
     mass = run.summary["mass"]["initial"]
-    assert run.history["external"][-1] == pytest.approx(mass * (g * end) ** 2 / 2, rel=1e-9)
+    # The books take energies half a step back and forth, at v^2 - (g dt/2)^2 (doc/theory/energy_balance.md).
+    assert run.history["external"][-1] == pytest.approx(mass * g**2 * (end**2 - step**2 / 4) / 2, rel=1e-9)
     # Work and kinetic energy are rounded to 2^-51 of what the material can store, some 1e-13 of the energies here.
     assert worst_balance(run) < 1e-11
     final, impulse = run.summary["momentum"]["final"], run.summary["momentum"]["external_impulse"]
@@ -54,7 +55,7 @@ def test_a_free_block_falls(kerf):
 
 def test_a_force_on_nodes_is_the_sum_over_them(kerf):
     mesh = {"type": "block", "size": [0.02, 0.01, 0.01], "cells": [4, 3, 2]}
-    run = kerf(body(mesh, 4e-5, step=1e-6, sets={"end": {"face": "x_min"}},
+    run = kerf(body(mesh, 4e-5, step=2e-7, sets={"end": {"face": "x_min"}},
                     curves={"pulse": {"times": [0, 1e-5, 2e-5], "values": [0, 1, 0]}},
                     loads=[{"type": "nodal_force", "nodes": "end", "force": [100, -20, 0], "curve": "pulse"}]))
     n_nodes = 4 * 3
@@ -84,7 +85,7 @@ def test_a_pressure_ramp_gives_area_times_its_integral(kerf):
 def test_a_pressed_column_carries_the_plane_wave(kerf):
     """Behind the front of a step of pressure p, stress is -p and the velocity p/(rho c)."""
     p, end = 1e8, 1.2e-5
-    run = kerf(body(COLUMN, end, boundaries=ROUND, sets={"end": {"face": "x_min"}},
+    run = kerf(body(COLUMN, end, step=1e-7, boundaries=ROUND, sets={"end": {"face": "x_min"}},
                     curves={"step": {"times": [0, 5e-7], "values": [0, 1]}},
                     loads=[{"type": "pressure", "facets": "end", "pressure": p, "curve": "step"}]))
     front = WAVE_SPEED * (end - 2.5e-7)
@@ -143,11 +144,12 @@ def test_a_gas_is_held_by_the_pressure_round_it(kerf):
 
 def test_pressure_all_round_a_body_gives_it_no_momentum(kerf):
     mesh = {"type": "cylinder", "radius": 0.01, "length": 0.03, "cell_size": 0.003}
-    run = kerf(body(mesh, 1e-5, loads=[{"type": "pressure", "facets": "body", "pressure": 1e8}]))
+    run = kerf(body(mesh, 1e-5, step=1e-7, loads=[{"type": "pressure", "facets": "body", "pressure": 1e8}]))
     pressed = 1e8 * np.pi * 0.01**2 * 1e-5  # the impulse on one end
     assert np.abs(run.summary["momentum"]["final"]).max() < 1e-10 * pressed
     assert run.summary["energy"]["external"] > 0.0
-    assert worst_balance(run) < 1e-9
+    # The strain is a thousandth, and its square what the work of stress in a step misses of the work of forces.
+    assert worst_balance(run) < 1e-5
 
 
 def test_energy_closes_with_all_loads_on_a_plastic_body(kerf):
