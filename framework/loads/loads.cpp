@@ -98,11 +98,17 @@ void Loads::add(const Model& model, std::int32_t node, Vec3 newton, const Load& 
   }
 }
 
+/// Of the law that was asked last.
+void Loads::note_failure(const char* what) {
+  if (trouble_.empty()) trouble_ = fmt::format("the load {} ({}) failed: {};", asked_->type, asked_->origin, what);
+}
+
 void Loads::add_facet_forces(const Model& model, double time) {
   const NodeStore& nodes = model.nodes;
   for (const OnFacet& on : on_facets_) {
     const ExteriorFacet& f = on.mark.facet;
     const FacetLoad& law = *marks_.laws()[on.mark.law];
+    asked_ = &law;
     const std::array<Vec3, 4> shares =
         facet_shares({nodes.x(f.nodes[0]), nodes.x(f.nodes[1]), nodes.x(f.nodes[2]), nodes.x(f.nodes[3])});
     const Vec3 whole = shares[0] + shares[1] + shares[2] + shares[3];
@@ -121,6 +127,7 @@ void Loads::add_facet_forces(const Model& model, double time) {
 
 void Loads::add_node_forces(const Model& model, const OnNodes& on, double time) {
   const NodeStore& nodes = model.nodes;
+  asked_ = on.load;
   for (std::size_t k = 0; k < on.nodes.size(); ++k) {
     const std::int32_t i = on.nodes[k];
     // A point mass is nobody's material; a dropped node is nothing.
@@ -136,19 +143,19 @@ void Loads::add_node_forces(const Model& model, const OnNodes& on, double time) 
 void Loads::add_forces(Model& model, double time) {
   if (input_.loads.empty()) return;
   trouble_.clear();
+  find_facets(model);
   force_.assign(4 * (static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies), 0);
   try {
-    find_facets(model);
     add_facet_forces(model, time);
   } catch (const std::exception& e) {
-    trouble_ = fmt::format("a load on facets failed: {};", e.what());
+    note_failure(e.what());
   }
   // Each facet is computed once, by the rank that has its element; nodes are computed on all ranks that have a copy.
   if (!marks_.laws().empty()) sum_over_copies(model, force_.data(), 4);
   try {
     for (const OnNodes& on : on_nodes_) add_node_forces(model, on, time);
   } catch (const std::exception& e) {
-    if (trouble_.empty()) trouble_ = fmt::format("a load on nodes failed: {};", e.what());
+    note_failure(e.what());
   }
   hand_over(model);
 }

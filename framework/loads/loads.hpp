@@ -55,6 +55,7 @@ class Loads {
   void add_facet_forces(const Model& model, double time);
   void add_node_forces(const Model& model, const OnNodes& on, double time);
   void add(const Model& model, std::int32_t node, Vec3 newton, const Load& load);
+  void note_failure(const char* what);
   void hand_over(Model& model);
 
   const ModelInput& input_;
@@ -65,6 +66,7 @@ class Loads {
   std::vector<std::int64_t> force_;  // four per local node, in force quanta
   ExternalLoad acting_;
   std::string trouble_;
+  const Load* asked_ = nullptr;  // the law that is being evaluated
 };
 
 }  // namespace kerf

@@ -46,8 +46,9 @@ def test_a_free_block_falls(kerf):
     mass = run.summary["mass"]["initial"]
     # The books take energies half a step back and forth, at v^2 - (g dt/2)^2 (doc/theory/energy_balance.md).
     assert run.history["external"][-1] == pytest.approx(mass * g**2 * (end**2 - step**2 / 4) / 2, rel=1e-9)
-    # Work and kinetic energy are rounded to 2^-51 of what the material can store, some 1e-13 of the energies here.
-    assert worst_balance(run) < 1e-11
+    # The work on 60 nodes in 500 steps is rounded to half a quantum of 5e-13 J each time, which adds up to 3e-11 J at
+    # random; the error is relative to the initial 0.07 J, or to the work.
+    assert worst_balance(run) < 1e-9
     final, impulse = run.summary["momentum"]["final"], run.summary["momentum"]["external_impulse"]
     initial = run.summary["momentum"]["initial"]
     assert final == pytest.approx([i + e for i, e in zip(initial, impulse)], rel=1e-12)
