@@ -53,8 +53,8 @@ def base_model():
 PLACES = {
     "material": ("materials", "copper", "strength"), "eos": ("materials", "copper", "eos"),
     "erosion": ("materials", "copper", "erosion", "criteria", 0), "element": ("parts", "striker", "element"),
-    "mesh": ("parts", "striker", "mesh"), "contact": ("contacts", 0), "boundary": ("boundaries", 0), "load": ("loads", 0),
-    "measure": ("measures", "speed"), "partitioner": ("balance", "partitioner")}
+    "mesh": ("parts", "striker", "mesh"), "contact": ("contacts", 0), "boundary": ("boundaries", 0),
+    "load": ("loads", 0), "measure": ("measures", "speed"), "partitioner": ("balance", "partitioner")}
 
 
 def put(model, place, value):

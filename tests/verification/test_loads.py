@@ -39,7 +39,7 @@ def test_a_free_block_falls(kerf):
     run = kerf(body(mesh, end, step=step, velocity=(3, 0, 0),
                     loads=[{"type": "gravity", "acceleration": [0, 0, -g]}]))
     moved, speed = run.results.node("displacement", -1), run.results.node("velocity", -1)
-    # Five hundred equal steps: the sum of central differences is the parabola, but for round-off of positions of 0.02 m.
+    # Five hundred equal steps: central differences add up to the parabola, but for round-off of positions of 0.02 m.
     assert moved[:, 2] == pytest.approx(-g * end**2 / 2, rel=1e-9)
     assert moved[:, 0] == pytest.approx(3 * end, rel=1e-9)
     assert np.ptp(speed[:, 2]) <= 1e-6  # no strain, but for the rounding of positions times the modulus
