@@ -169,9 +169,9 @@ TEST(FacetMarks, pass_through_random_erosion_and_migration_as_the_serial_rule_sa
                 return static_cast<int>(scatter(round, static_cast<std::uint64_t>(id)) * model.n_ranks());
               }));
       const auto moved = gather_marks(model, marks);
-      if (model.rank() == 0) EXPECT_TRUE(moved == after) << "seed " << seed << ", round " << round << ", moved";
+      EXPECT_TRUE(moved == after) << "seed " << seed << ", round " << round << ", moved";  // empty but on rank 0
     }
-    if (model.rank() == 0) EXPECT_GT(n_passed_on, 20u) << "otherwise this shows little";
+    EXPECT_TRUE(model.rank() != 0 || n_passed_on > 20) << "otherwise this shows little";
   }
 }
 

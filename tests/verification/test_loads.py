@@ -51,7 +51,8 @@ def test_a_free_block_falls(kerf):
     assert worst_balance(run) < 1e-9
     final, impulse = run.summary["momentum"]["final"], run.summary["momentum"]["external_impulse"]
     initial = run.summary["momentum"]["initial"]
-    assert final == pytest.approx([i + e for i, e in zip(initial, impulse)], rel=1e-12)
+    # Every node's impulse is rounded alike in every step, by half of 1.8e-15 kg m/s at most: 60 nodes, 500 steps.
+    assert final == pytest.approx([i + e for i, e in zip(initial, impulse)], abs=3e-11)
 
 
 def test_a_force_on_nodes_is_the_sum_over_them(kerf):
