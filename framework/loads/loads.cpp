@@ -10,7 +10,6 @@
 #include "loads/facet_shares.hpp"
 #include "model/copies.hpp"
 #include "model/node_group.hpp"
-#include "model/reference_position.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -61,8 +60,7 @@ void Loads::renumbered(const Model& model) {
     for (int i = 0; i < model.nodes.n(); ++i) {
       if (!group.holds(model.nodes, i)) continue;
       on.nodes.push_back(i);
-      if (on.load->reads_reference_position())
-        on.reference.push_back(reference_position(model, model.nodes.id[static_cast<std::size_t>(i)]));
+      if (on.load->reads_reference_position()) on.reference.push_back(model.nodes.reference_position(i));
     }
   }
 }
@@ -75,7 +73,7 @@ void Loads::find_facets(const Model& model) {
   for (const FacetMarks::Marked& mark : marks_.find(model)) {
     OnFacet on{mark, {}};
     if (marks_.laws()[mark.law]->reads_reference_position())
-      on.reference = mean_of(mark.facet, [&](std::int32_t i) { return reference_position(model, model.nodes.id[i]); });
+      on.reference = mean_of(mark.facet, [&](std::int32_t i) { return model.nodes.reference_position(i); });
     on_facets_.push_back(on);
   }
 }
