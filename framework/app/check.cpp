@@ -94,7 +94,7 @@ int check_command(const RunOptions& options, Registry& registry) {
   try {
     const auto input = load_input(runtime.comm(), options, registry);
     if (root) print_meshes(*input);
-    Simulation simulation(runtime.comm(), *input, registry);
+    Simulation simulation(runtime.comm(), *input);
     const double memory = memory_of(simulation.model());
     if (root) print_report(simulation, *input, memory);
     if (root) print_warnings(simulation.warnings());

@@ -32,13 +32,27 @@ void advance_nodes(NodeStore& nodes, double quantum, double kick_dt, double dt, 
   for (int i = n; i < n + NodeStore::n_dummies; ++i) f[i] = QuadInt{};
 }
 
+/// What a force [force quanta] does in a kick [N s].
+Vec3 impulse_of(const Model& model, const std::int64_t* force, double kick_dt) {
+  const double q = model.quanta.force.quantum * kick_dt;
+  return {static_cast<double>(force[0]) * q, static_cast<double>(force[1]) * q, static_cast<double>(force[2]) * q};
+}
+
 /// Work that contact takes from the nodes: minus force times mean velocity.
 std::int64_t contact_work(const Model& model, const Ledger& ledger, const std::int64_t* force, double kick_dt,
                           Vec3 mean) {
-  const double q = model.quanta.force.quantum * kick_dt;
-  const Vec3 impulse{static_cast<double>(force[0]) * q, static_cast<double>(force[1]) * q,
-                     static_cast<double>(force[2]) * q};
-  return -ledger.energy_quanta(model, dot(impulse, mean));
+  return -ledger.energy_quanta(model, dot(impulse_of(model, force, kick_dt), mean));
+}
+
+void save_velocities(const NodeStore& nodes, const std::vector<std::int32_t>& which, std::vector<double>& saved) {
+  saved.clear();
+  for (const std::int32_t n : which)
+    saved.insert(saved.end(), {nodes.velocity[4 * n], nodes.velocity[4 * n + 1], nodes.velocity[4 * n + 2]});
+}
+
+/// Of a node before and after the kick [m/s].
+Vec3 mean_velocity(const NodeStore& nodes, std::int32_t node, const double* before) {
+  return (Vec3{before[0], before[1], before[2]} + nodes.v(node)) * 0.5;
 }
 
 }  // namespace
@@ -76,7 +90,24 @@ void Integrator::advance_guarded(Model& model, const Step& step, const std::vect
   }
 }
 
-void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoad& load, Ledger& ledger) {
+/// After the kick: the work of contact and loads, and the impulse of loads.
+void Integrator::count_shares(const Model& model, const Step& step, const ForceShares& shares, Ledger& ledger) const {
+  const auto& [contact, external] = shares;
+  for (std::size_t k = 0; k < contact.nodes.size(); ++k) {
+    const Vec3 mean = mean_velocity(model.nodes, contact.nodes[k], &old_contact_velocity_[3 * k]);
+    ledger.accounts.contact += contact_work(model, ledger, &contact.force[4 * k], step.kick_dt(), mean);
+    ledger.accounts.friction += contact_work(model, ledger, &contact.friction[4 * k], step.kick_dt(), mean);
+  }
+  for (std::size_t k = 0; k < external.nodes.size(); ++k) {
+    if (!(model.nodes.mass[external.nodes[k]] > 0.0)) continue;  // dropped since the force was made
+    const Vec3 impulse = impulse_of(model, &external.force[4 * k], step.kick_dt());
+    const Vec3 mean = mean_velocity(model.nodes, external.nodes[k], &old_external_velocity_[3 * k]);
+    for (int d = 0; d < 3; ++d) ledger.accounts.impulse[d] += ledger.momentum_quanta(impulse[d]);
+    ledger.accounts.external += ledger.energy_quanta(model, dot(impulse, mean));
+  }
+}
+
+void Integrator::kick_and_drift(Model& model, const Step& step, const ForceShares& shares, Ledger& ledger) {
   NodeStore& nodes = model.nodes;
   const double quantum = model.quanta.force.quantum, factor = quantum * step.kick_dt();
   // What must be known of the time before the kick: constrained velocities are found while positions still stand
@@ -91,10 +122,8 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
     saved_.insert(saved_.end(), {v.x, v.y, v.z, x.x, x.y, x.z});
     count(model, c, before, free_flight, v, ledger);
   }
-  old_load_velocity_.clear();
-  for (const std::int32_t n : load.nodes)
-    old_load_velocity_.insert(old_load_velocity_.end(),
-                              {nodes.velocity[4 * n], nodes.velocity[4 * n + 1], nodes.velocity[4 * n + 2]});
+  save_velocities(nodes, shares.contact.nodes, old_contact_velocity_);
+  save_velocities(nodes, shares.external.nodes, old_external_velocity_);
 
   if (constraints_.none())
     advance_nodes(nodes, quantum, step.kick_dt(), step.dt, [](int, Quad, Quad, Quad, Quad) {});
@@ -107,15 +136,11 @@ void Integrator::kick_and_drift(Model& model, const Step& step, const ContactLoa
     nodes.set_v(constrained[k], v);
     nodes.set_x(constrained[k], Vec3{s[3], s[4], s[5]} + v * step.dt);
   }
-  for (std::size_t k = 0; k < load.nodes.size(); ++k) {
-    const double* v = &old_load_velocity_[3 * k];
-    const Vec3 before{v[0], v[1], v[2]}, mean = (before + nodes.v(load.nodes[k])) * 0.5;
-    ledger.accounts.contact += contact_work(model, ledger, &load.force[4 * k], step.kick_dt(), mean);
-    ledger.accounts.friction += contact_work(model, ledger, &load.friction[4 * k], step.kick_dt(), mean);
-  }
+  count_shares(model, step, shares, ledger);
 }
 
-Balance Integrator::sample(const Model& model, const Step& next, const ContactLoad& load, const Ledger& ledger) const {
+Balance Integrator::sample(const Model& model, const Step& next, const ForceShares& shares,
+                           const Ledger& ledger) const {
   const NodeStore& nodes = model.nodes;
   const double factor = model.quanta.force.quantum * next.kick_dt();
   // The share of the coming kick that lies before the present time. Kinetic energy and work grow by its power at the
@@ -142,9 +167,14 @@ Balance Integrator::sample(const Model& model, const Step& next, const ContactLo
   const int n_asked = constraints_.none() ? 0 : nodes.n();
   for (int i = 0; i < n_asked; ++i)
     if (constraints_.has_always(i) || constraints_.has_near(i)) apply(i);
+  const ContactLoad& load = shares.contact;
   for (std::size_t k = 0; k < load.nodes.size(); ++k) {
     contact += contact_work(model, ledger, &load.force[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
     friction += contact_work(model, ledger, &load.friction[4 * k], next.kick_dt(), nodes.v(load.nodes[k]));
+  }
+  for (std::size_t k = 0; k < shares.external.nodes.size(); ++k) {
+    const Vec3 impulse = impulse_of(model, &shares.external.force[4 * k], next.kick_dt());
+    external += ledger.energy_quanta(model, dot(impulse, nodes.v(shares.external.nodes[k])));
   }
   std::int64_t sums[6] = {
       ledger.accounts.external, ledger.accounts.contact, ledger.accounts.friction, external, contact, friction};

@@ -59,23 +59,21 @@ StepReduction all_reduce(MPI_Comm comm, StepReduction mine) {
 
 }  // namespace
 
-Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& registry)
-    : input_(input), clock_(input.time), balancer_(input.balance) {
+Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
+    : input_(input), loads_(input), clock_(input.time), balancer_(input.balance) {
   const auto scope = timers_.measure("setup");
   create_parts(model_, comm, input);
   generate_mesh(model_);
   balancer_.distribute(model_);
   for (const auto& law : input.contacts) {
     std::unique_ptr<SpatialDecomposition> space;
-    if (model_.n_ranks() > 1) {
-      Made made = registry.make("partitioner", "zoltan_rcb");
-      space = dynamic_cast<Partitioner&>(*made.plugin).spatial();
-    }
+    if (model_.n_ranks() > 1) space = input.balance.contact_partitioner->spatial();
     contacts_.push_back(std::make_unique<ContactEngine>(model_, *law, std::move(space)));
   }
   erosion_ = std::make_unique<Erosion>(model_);
   constraints_.initialise(model_);
   ledger_.open(model_);
+  loads_.begin(model_);
   renumbered();
 
   const ContactCover cover(model_);
@@ -84,11 +82,13 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
 
   const ElementReport report = initialise_elements(model_);
   sum_over_copies(model_, model_.nodes.force.data(), 4);
+  loads_.add_forces(model_, 0.0);
   Step none;
   reduce(none, report);
   first_stable_ = reduction_.least_step;
   if (!contacts_.empty()) start_contact(report);
-  for (std::string& line : model_warnings(model_, cover)) warnings_.push_back(std::move(line));
+  for (std::string& line : model_warnings(model_, cover, loads_.count_targets(model_)))
+    warnings_.push_back(std::move(line));
   for (PartModel& part : model_.parts) {
     std::vector<double> mass;
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
@@ -170,6 +170,7 @@ std::vector<std::string> Simulation::judge_end() {
 
 void Simulation::renumbered() {
   constraints_.resolve(model_);
+  loads_.renumbered(model_);
   for (auto& c : contacts_) c->renumbered(model_);
 }
 
@@ -227,7 +228,7 @@ void Simulation::run() {
     last_id_ = reduction_.least_id;
     {
       const auto scope = timers_.measure("nodes");
-      integrator_.kick_and_drift(model_, step, load_, ledger_);
+      integrator_.kick_and_drift(model_, step, {load_, loads_.acting()}, ledger_);
       erosion_->drop_free_nodes(model_, ledger_);
     }
     rebalance(step);
@@ -260,6 +261,13 @@ void Simulation::add_forces(const Step& step) {
   {
     const auto scope = timers_.measure("halo");
     sum_over_copies(model_, model_.nodes.force.data(), 4);
+  }
+  {
+    const auto scope = timers_.measure("loads");
+    loads_.add_forces(model_, step.end());
+  }
+  {
+    const auto scope = timers_.measure("halo");
     reduce(step, report);
   }
   add_contact_forces(step);
@@ -288,6 +296,7 @@ void Simulation::reduce(const Step& step, ElementReport report) {
   mine.speeds = contact_speeds();
   for (const auto& c : contacts_)
     if (report.trouble.empty()) report.trouble = c->trouble();
+  if (report.trouble.empty()) report.trouble = loads_.trouble();
   if (!report.trouble.empty()) mine.flags |= flag_trouble;
   if (report.failed) mine.flags |= flag_failed;
   if (signal_seen != 0) mine.flags |= flag_signal;
@@ -329,11 +338,13 @@ void Simulation::erode(const Step& step) {
   std::vector<ExteriorFacet> opened;
   {
     const auto scope = timers_.measure("erosion");
+    loads_.before_erosion(model_, erosion_->failing());
     eroded_now_ = erosion_->erode(model_, step, ledger_);
     erosion_->update_free_nodes(model_);
     for (const ErosionRecord& r : eroded_now_)
       dead.push_back(r.element + model_.parts[model_.part_of_element(r.element)].shift_in_body);
     opened = model_.surface.opened_by(model_.surface_mesh(), erosion_->retired());
+    loads_.after_erosion(model_, opened);
   }
   {
     const auto scope = timers_.measure("contact_search");
@@ -352,7 +363,7 @@ void Simulation::stop(const std::string& local_trouble, std::int64_t id, const S
 bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) != 0; }
 
 Balance Simulation::sample() {
-  Balance b = integrator_.sample(model_, next_step(), load_, ledger_);
+  Balance b = integrator_.sample(model_, next_step(), {load_, loads_.acting()}, ledger_);
   ledger_.judge(b);
   return b;
 }
@@ -406,6 +417,7 @@ void Simulation::resume(const Progress& p) {
     load_.force.insert(load_.force.end(), {f[0], f[1], f[2], 0});
     load_.friction.insert(load_.friction.end(), {f[3], f[4], f[5], 0});
   }
+  loads_.restore(model_, p.external_force);
 }
 
 // A node that races is the more telling of the two: the energies it leads to may be no numbers any more.

@@ -50,6 +50,8 @@ class Validator {
     check_references();
     for (std::size_t i = 0; i < model_.initial_states.size(); ++i) check_initial_state(i);
     check_fields();
+    check_loads();
+    check_contact_partitioner();
   }
 
  private:
@@ -78,8 +80,10 @@ class Validator {
     }
     require_all(model_.boundaries, "boundaries", "Boundary");
     require_all(model_.contacts, "contacts", "Contact");
+    require_all(model_.loads, "loads", "Load");
     require_all(model_.measures, "measures", "Measure");
     require(model_.balance.partitioner.get(), "balance.partitioner", "Partitioner");
+    require(model_.balance.contact_partitioner.get(), "balance.contact_partitioner", "Partitioner");
   }
 
   void check_time_and_checks() {
@@ -217,7 +221,26 @@ class Validator {
     both.insert(both.end(), sets_.begin(), sets_.end());
     for (const auto& item : model_.boundaries) check_names(item, both, "part or set", "the parts and sets");
     for (const auto& item : model_.contacts) check_names(item, both, "part or set", "the parts and sets");
+    for (const auto& item : model_.loads) check_names(item, both, "part or set", "the parts and sets");
     for (const auto& item : model_.measures) check_names(item, parts_, "part", "the parts");
+  }
+
+  void check_loads() {
+    for (const auto& load : model_.loads)
+      if (load && !dynamic_cast<const NodalLoad*>(load.get()) && !dynamic_cast<const FacetLoad*>(load.get()) &&
+          !dynamic_cast<const BodyLoad*>(load.get()))
+        diagnostics_.error(load->origin, fmt::format("the load {} derives from none of kerf::NodalLoad, FacetLoad and "
+                                                     "BodyLoad; its plugin must choose one",
+                                                     load->type));
+  }
+
+  void check_contact_partitioner() {
+    const auto& partitioner = model_.balance.contact_partitioner;
+    if (partitioner && !partitioner->spatial())
+      diagnostics_.error(origins_.find("balance.contact_partitioner"),
+                         fmt::format("{} does not divide space between ranks, as contact needs it; expected one that "
+                                     "does, such as zoltan_rcb",
+                                     partitioner->type));
   }
 
   static void add_variables(Names& names, const Law* law) {

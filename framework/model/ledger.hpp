@@ -21,11 +21,11 @@ struct Accounts {
   std::int64_t hourglass = 0;  // dissipated or stored by hourglass control [energy quanta]
   std::int64_t contact = 0;  // taken from the nodes by contact [energy quanta]
   std::int64_t friction = 0;  // the share of friction in it [energy quanta]
-  std::int64_t external = 0;  // work of boundary conditions [energy quanta]
+  std::int64_t external = 0;  // work of boundary conditions and loads [energy quanta]
   std::int64_t eroded_internal = 0;  // internal energy of eroded elements, without the viscous share
   std::int64_t eroded_viscous = 0;  // work of bulk viscosity in eroded elements
   std::int64_t dropped_kinetic = 0;  // of dropped free nodes
-  std::array<std::int64_t, 3> impulse{};  // of boundary conditions [momentum quanta]
+  std::array<std::int64_t, 3> impulse{};  // of boundary conditions and loads [momentum quanta]
   std::array<std::int64_t, 3> dropped_momentum{};  // [momentum quanta]
   std::int64_t dropped_mass = 0;  // [mass quanta]
   std::int64_t eroded_elements = 0;

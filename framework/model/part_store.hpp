@@ -79,13 +79,15 @@ class PartStore {
     erosion_state,
     place,  // centre and cube root of volume before the first step, where a law asks for them
     softening,  // factors of the stress, where a criterion softens: see ElementArrays
+    loaded_faces,  // per load on facets: a bit for each face that it acts on, as a whole number
     n_fields
   };
 
-  /// What the laws of a part keep.
+  /// What the laws of a part, and loads on it, keep.
   struct Variables {
     std::vector<StateVariable> material, eos, erosion;  // the first also of a solid
     bool place = false, softening = false;
+    int facet_loads = 0;  // number of loads on facets
   };
 
   PartStore(int index, const Element& element, Variables variables, Precision precision = Precision::double_precision);

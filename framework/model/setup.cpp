@@ -265,7 +265,28 @@ void lump_masses(Model& model) {
   if (model.has_joined_parts()) share_nodes(model, quantum, share);
 }
 
-/// From what the laws, the motion at time zero and the conditions say. Collective.
+/// What loads say that they will reach.
+struct LoadBounds {
+  double pressure = 0.0;  // [Pa]
+  double force = 0.0;  // on a node [N]
+};
+
+/// The sum over all loads, which may act together. Collective.
+LoadBounds bounds_of_loads(const Model& model) {
+  LoadBounds bounds;
+  double heaviest = 0.0;
+  for (const double mass : model.nodes.mass) heaviest = std::max(heaviest, mass);
+  heaviest = greatest(model.comm, heaviest);
+  for (const auto& load : model.input->loads) {
+    const double most = load->greatest().value_or(0.0);
+    if (dynamic_cast<const FacetLoad*>(load.get())) bounds.pressure += most;
+    if (dynamic_cast<const NodalLoad*>(load.get())) bounds.force += most;
+    if (dynamic_cast<const BodyLoad*>(load.get())) bounds.force += most * heaviest;
+  }
+  return bounds;
+}
+
+/// From what the laws, the motion at time zero, the conditions and the loads say. Collective.
 void set_force_quantum(Model& model) {
   // What two bodies that meet head on can press on each other: at least rho v^2 each, which in a cold gas is more than
   // any modulus.
@@ -274,8 +295,11 @@ void set_force_quantum(Model& model) {
   for (const PartModel& part : model.parts)
     stiffest = std::max({stiffest, part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus, std::fabs(part.initial_pressure),
                          part.hot_stiffness, part.material->density * closing * closing});
+  const LoadBounds loads = bounds_of_loads(model);
+  stiffest = std::max(stiffest, loads.pressure);
   // 64 times the stiffest modulus on the largest face is the largest force that fits (design, section 5).
-  model.quanta.force.quantum = power_of_two_above(64.0 * stiffest * longest * longest) / ForceScale::limit;
+  const double greatest_force = std::max(64.0 * stiffest * longest * longest, 4.0 * loads.force);
+  model.quanta.force.quantum = power_of_two_above(greatest_force) / ForceScale::limit;
   model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
 }
 
@@ -311,6 +335,13 @@ PartStore::Variables variables_of(const MaterialInput& material, int& first) {
 
 }  // namespace
 
+std::vector<const FacetLoad*> facet_loads(const ModelInput& input) {
+  std::vector<const FacetLoad*> found;
+  for (const auto& load : input.loads)
+    if (const auto* law = dynamic_cast<const FacetLoad*>(load.get())) found.push_back(law);
+  return found;
+}
+
 void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
   model.set_comm(comm);
   model.input = &input;
@@ -334,6 +365,7 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
     part.work =
         p->element->cost() * (0.8 + 0.2 * part.material->stress_law().cost() + (part.material->erosion ? 0.1 : 0.0));
     PartStore::Variables variables = variables_of(*part.material, part.first_criterion_state);
+    variables.facet_loads = static_cast<int>(facet_loads(input).size());
     part.store =
         std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, std::move(variables), precision);
     part.material_reads = LawReads(part.material->stress_law(), *part.store);

@@ -21,6 +21,11 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
   const NodeStore& nodes = model.nodes;
   std::vector<std::int64_t> ids, integers;
   std::vector<double> reals;
+  std::vector<std::int64_t> external, external_of_owned;  // three per node
+  external.assign(3 * static_cast<std::size_t>(nodes.n()), 0);
+  const ExternalLoad& loads = simulation.external_load();
+  for (std::size_t k = 0; k < loads.nodes.size(); ++k)
+    std::copy_n(&loads.force[4 * k], 3, &external[3 * static_cast<std::size_t>(loads.nodes[k])]);
   std::vector<std::array<std::int64_t, 6>> contact(static_cast<std::size_t>(nodes.n()));
   const ContactLoad& load = simulation.contact_load();
   for (std::size_t k = 0; k < load.nodes.size(); ++k)
@@ -34,12 +39,16 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
     ids.push_back(r.id);
     integers.insert(integers.end(), {r.membership, r.part, r.free, r.force[0], r.force[1], r.force[2]});
     integers.insert(integers.end(), contact[i].begin(), contact[i].end());
+    const auto at = external.begin() + 3 * static_cast<std::ptrdiff_t>(i);
+    external_of_owned.insert(external_of_owned.end(), at, at + 3);
     reals.insert(reals.end(),
                  {r.position[0], r.position[1], r.position[2], r.velocity[0], r.velocity[1], r.velocity[2], r.mass});
     reals.insert(reals.end(), r.reference, r.reference + 3);
   }
-  file.write_entities("nodes", model.n_nodes, ids,
-                      {{"integers", n_node_integers, integers.data()}, {"reals", n_node_reals, reals.data()}});
+  std::vector<RestartColumn> columns{{"integers", n_node_integers, integers.data()},
+                                     {"reals", n_node_reals, reals.data()}};
+  if (!model.input->loads.empty()) columns.push_back({"loads", 3, external_of_owned.data()});
+  file.write_entities("nodes", model.n_nodes, ids, columns);
 }
 
 void write_elements(RestartWriter& file, const Model& model) {
@@ -165,6 +174,13 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, Simulation::Pro
     std::copy_n(real + 7, 3, r.reference);
     if (k[6] != 0 || k[7] != 0 || k[8] != 0) loads.push_back({r.id, {k[6], k[7], k[8], k[9], k[10], k[11]}});
   }
+  if (!model.input->loads.empty()) {
+    const auto& external = e.integer("loads", 3);
+    for (std::size_t i = 0; i < e.gids.size(); ++i) {
+      const std::int64_t* f = &external[3 * i];
+      if (f[0] != 0 || f[1] != 0 || f[2] != 0) progress.external_force.push_back({e.gids[i], {f[0], f[1], f[2]}});
+    }
+  }
   // Who will own a node is not known yet: every rank gets all loads, which are few.
   std::vector<std::vector<Load>> to_all(static_cast<std::size_t>(model.n_ranks()), loads);
   for (const auto& list : all_to_all(model.comm, to_all))
@@ -205,9 +221,8 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   if (file.text("input_digest") != input_digest)
     throw InputError(
         {fmt::format("{}: error: this restart file belongs to another model; resume with the input that "
-                     "wrote it (precision, materials, parts, joined, sets, boundaries, contacts, checks, and time but "
-                     "for its end, must be "
-                     "the same)",
+                     "wrote it (precision, materials, parts, joined, sets, boundaries, loads, curves with their files, "
+                     "contacts, checks, and time but for its end, must be the same)",
                      path)});
   Simulation::Progress p;
   const auto clock = file.reals("clock");

@@ -332,8 +332,8 @@ void Reporter::add_measures(Summary& summary) {
 }
 
 void Reporter::add_timers(Summary& summary) {
-  for (const char* phase :
-       {"setup", "elements", "nodes", "contact_search", "contact_forces", "halo", "erosion", "rebalance", "output"}) {
+  for (const char* phase : {"setup", "elements", "nodes", "contact_search", "contact_forces", "loads", "halo",
+                            "erosion", "rebalance", "output"}) {
     const double mine = simulation_.timers().seconds(phase);
     double sum = mine;
     MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, simulation_.model().comm);

@@ -163,6 +163,8 @@ void Encounters::look_at_conditions(int i, double* of_part) const {
 void Encounters::find_starts() {
   const std::size_t n = model_.parts.size();
   const NodeStore& nodes = model_.nodes;
+  std::vector<NodeGroup> targets;  // of loads
+  for (const auto& load : model_.input->loads) targets.emplace_back(model_, load->targets());
   std::vector<double> limits(n_limits * n, -never);
   for (int i = 0; i < nodes.n(); ++i)
     for (const std::int32_t p : model_.parts_of(i)) {
@@ -174,6 +176,8 @@ void Encounters::find_starts() {
         of_part[9 + d] = std::max(of_part[9 + d], nodes.v(i)[d]);
       }
       if (nodes.force[4 * i] != 0 || nodes.force[4 * i + 1] != 0 || nodes.force[4 * i + 2] != 0) of_part[loaded] = 1.0;
+      for (const NodeGroup& group : targets)
+        if (group.holds(nodes, i)) of_part[loaded] = 1.0;
       look_at_conditions(i, of_part);
     }
   greatest_of_all(model_.comm, limits);

@@ -247,9 +247,27 @@ void warn_of_distance(const Model& model, const Encounters& encounters, Lines& l
                   input_of(model, part).name, farthest, strain, model.scale.shortest_edge)));
 }
 
+/// Loads without a node or a facet, and loads that are zero at all times.
+void warn_of_idle_loads(const Model& model, const std::vector<std::int64_t>& targets, Lines& lines) {
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const Load& load = *model.input->loads[k];
+    if (targets[k] == 0)
+      lines.push_back(warning(
+          load.origin,
+          fmt::format(
+              "the load {} acts on nothing: no exterior facet has all its corners in what it names; name a part "
+              "or a set that holds whole facets of the surface",
+              load.type)));
+    else if (load.greatest() == 0.0)
+      lines.push_back(warning(load.origin, fmt::format("the load {} is zero at all times; check its value and its "
+                                                       "curve, or leave it out",
+                                                       load.type)));
+  }
+}
+
 }  // namespace
 
-Lines model_warnings(Model& model, const ContactCover& cover) {
+Lines model_warnings(Model& model, const ContactCover& cover, const std::vector<std::int64_t>& load_targets) {
   Lines lines;
   const Encounters encounters(model, cover);
   warn_of_missing_contact(model, encounters, cover, lines);
@@ -260,6 +278,7 @@ Lines model_warnings(Model& model, const ContactCover& cover) {
   warn_of_single_cells(model, encounters, lines);
   warn_of_swallowing_planes(model, lines);
   warn_of_distance(model, encounters, lines);
+  warn_of_idle_loads(model, load_targets, lines);
   return lines;
 }
 

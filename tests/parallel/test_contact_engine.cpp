@@ -153,7 +153,7 @@ struct Looks {
 Looks expect_brute_forces(const std::string& contact, std::uint64_t seed, bool deaths, int force_interval,
                           Mood mood = Mood::wild, double offset = 0.0) {
   const auto input = scene(limp_bodies(contact, force_interval, offset));
-  Simulation simulation(MPI_COMM_WORLD, *input, scene_registry());
+  Simulation simulation(MPI_COMM_WORLD, *input);
   if (deaths)
     light_fuses(simulation.model(), [&](std::int64_t id) {
       const auto item = static_cast<std::uint64_t>(id) * 2;
@@ -247,7 +247,7 @@ parts:
                                skin + R"(, cells: 1}]
 contacts: [{type: eroding_surface}]
 )");
-      EXPECT_NO_THROW(Simulation(MPI_COMM_WORLD, *input, scene_registry())) << "skin up to " << skin << ", gap " << gap;
+      EXPECT_NO_THROW(Simulation(MPI_COMM_WORLD, *input)) << "skin up to " << skin << ", gap " << gap;
     }
 }
 
