@@ -52,7 +52,7 @@ double cycles_of(const Simulation& simulation, const TimeInput& time) {
 
 /// One restart file holds every node and element with all its state [bytes].
 double restart_size(const Model& model) {
-  double bytes = static_cast<double>(model.n_nodes) * 20.0 * 8.0;
+  double bytes = static_cast<double>(model.n_nodes) * 23.0 * 8.0;
   for (const PartModel& p : model.parts)
     bytes += static_cast<double>(p.n_elements) * (9.0 + static_cast<double>(p.store->record_size())) * 8.0;
   return bytes;
@@ -95,7 +95,7 @@ int check_command(const RunOptions& options, Registry& registry) {
   try {
     const auto input = load_input(runtime.comm(), options, registry);
     if (root) print_meshes(*input);
-    Simulation simulation(runtime.comm(), *input, registry);
+    Simulation simulation(runtime.comm(), *input);
     const ObserverHost observers(simulation, *input);  // throws where one of them cannot start
     const double memory = memory_of(simulation.model());
     if (root) print_report(simulation, *input, memory);

@@ -75,16 +75,14 @@ void check_memory(MPI_Comm comm, const ModelInput& input, const std::string& nam
       name, n, largest->name, n * bytes_per_element * 1e-9, size_of(comm), size_of(comm) == 1 ? "" : "s")});
 }
 
-std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& options, const Registry& registry) {
+std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& options, const Registry& registry,
+                                  const FileReader& read) {
   Diagnostics diagnostics;
   OriginMap origins;
-  auto input = read_model_input(options.input, bytes, options.overrides, registry, diagnostics, origins);
+  auto input = read_model_input(options.input, bytes, options.overrides, registry, diagnostics, origins, read);
   validate(*input, origins, diagnostics);
   diagnostics.throw_if_errors();
   input->warnings = diagnostics.warnings();
-  if (input->boundaries.size() > 64 || input->sets.size() > 64 || input->parts.size() > 64)
-    throw InputError({fmt::format("{}: error: there are more than 64 parts, sets or boundary conditions; merge some",
-                                  options.input)});
   return input;
 }
 
@@ -94,7 +92,7 @@ void check_before_launch(const RunOptions& options, const Registry& registry) {
   std::string failure;
   const std::string bytes = read_file(options.input, failure);
   if (!failure.empty()) throw InputError({failure});
-  check_enough_elements(*parse(bytes, options, registry), options.input, options.ranks);
+  check_enough_elements(*parse(bytes, options, registry, read_text_file), options.input, options.ranks);
   // A rank takes about 20 MB before it holds anything. Under a batch system they may go to several machines.
   constexpr double bytes_per_rank = 2.0e7;
   for (const char* name : {"SLURM_JOB_ID", "PBS_JOBID", "LSB_JOBID", "OMPI_MCA_orte_default_hostfile"})
@@ -112,7 +110,13 @@ std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options,
   failure = broadcast(comm, failure);
   if (!failure.empty()) throw InputError({failure});
   bytes = broadcast(comm, bytes);
-  auto input = parse(bytes, options, registry);
+  const auto read_on_root = [comm](const std::string& path, std::string& trouble) {
+    std::string text;
+    if (rank_of(comm) == 0) text = read_text_file(path, trouble);
+    trouble = broadcast(comm, trouble);
+    return broadcast(comm, text);
+  };
+  auto input = parse(bytes, options, registry, read_on_root);
   check_enough_elements(*input, options.input, size_of(comm));
   check_memory(comm, *input, options.input);
   return input;

@@ -130,7 +130,7 @@ int run(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
   settings.input_name = options.input;
   settings.resume = options.resume;
   if (options.resume) require_restart_file(comm, settings.folder);
-  Simulation simulation(comm, *input, registry);
+  Simulation simulation(comm, *input);
   if (rank_of(comm) == 0) print_warnings(simulation.warnings());
   make_folder(comm, settings.folder);
   settings.input_digest = input->digest + " " + state_hash(simulation.model());

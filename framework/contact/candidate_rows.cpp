@@ -37,20 +37,20 @@ void CandidateRows::drop_facet(std::int32_t facet) {
 }
 
 std::int32_t CandidateRows::list_node(std::int32_t n, std::int64_t id, std::int32_t owner, std::int32_t local,
-                                      std::int32_t part) {
+                                      std::int32_t body) {
   if (listed_node_[n] < 0) {
     listed_node_[n] = static_cast<std::int32_t>(lists_.node_id.size());
     lists_.node_id.push_back(id);
     lists_.node_owner.push_back(owner);
     lists_.node_local.push_back(local);
-    lists_.node_part.push_back(part);
+    lists_.node_body.push_back(body);
   }
   return listed_node_[n];
 }
 
 std::int32_t CandidateRows::list_corner(std::int32_t f, int k) {
   const ContactFacetRecord& r = records_.facets[f];
-  return list_node(records_.corners[f][k], r.nodes[k], r.owners[k], r.locals[k], r.part);
+  return list_node(records_.corners[f][k], r.nodes[k], r.owners[k], r.locals[k], r.body);
 }
 
 std::int32_t CandidateRows::list_facet(std::int32_t f) {
@@ -58,7 +58,7 @@ std::int32_t CandidateRows::list_facet(std::int32_t f) {
     listed_facet_[f] = static_cast<std::int32_t>(lists_.facet_id.size());
     lists_.facet_id.push_back(records_.ids[f]);
     gone_from_lists_.push_back(false);
-    lists_.facet_part.push_back(records_.facets[f].part);
+    lists_.facet_body.push_back(records_.facets[f].body);
     lists_.facet_bulk_modulus.push_back(records_.facets[f].bulk_modulus);
     lists_.facet_volume.push_back(records_.facets[f].volume);
     lists_.facet_edge.push_back(records_.facets[f].edge);
@@ -91,7 +91,7 @@ void CandidateRows::append_row(std::int32_t s) {
   row_of_[s] = static_cast<std::int32_t>(slave_of_row_.size());
   slave_of_row_.push_back(s);
   const ContactNodeRecord& slave = records_.slaves[s];
-  lists_.slave.push_back(list_node(records_.number[s], slave.id, slave.owner, slave.local, slave.part));
+  lists_.slave.push_back(list_node(records_.number[s], slave.id, slave.owner, slave.local, slave.body));
   lists_.candidates.emplace_back();
   lists_.around_rows.emplace_back();
 }

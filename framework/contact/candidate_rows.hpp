@@ -26,7 +26,7 @@ class CandidateRows {
 
  private:
   void resize();
-  std::int32_t list_node(std::int32_t n, std::int64_t id, std::int32_t owner, std::int32_t local, std::int32_t part);
+  std::int32_t list_node(std::int32_t n, std::int64_t id, std::int32_t owner, std::int32_t local, std::int32_t body);
   std::int32_t list_corner(std::int32_t f, int k);
   std::int32_t list_facet(std::int32_t f);
   void make_row(std::int32_t s);

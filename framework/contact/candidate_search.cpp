@@ -71,7 +71,7 @@ struct CandidateSearch::Tables : SearchRecords {
   /// Puts the present boxes of a facet into its part's trees.
   void plant(std::int32_t f) {
     if (!may_meet(f)) return;
-    const auto part = static_cast<std::size_t>(facets[f].part);
+    const auto part = static_cast<std::size_t>(facets[f].body);
     if (part >= parts.size()) parts.resize(part + 1);
     place_in_tree.resize(facets.size(), -1);
     if (place_in_tree[f] < 0) {
@@ -90,14 +90,14 @@ struct CandidateSearch::Tables : SearchRecords {
     if (f < static_cast<std::int32_t>(place_in_tree.size()) && place_in_tree[f] >= 0) set_in_tree(f, {}, {});
   }
   void set_in_tree(std::int32_t f, const Box& box, const Box& own_box) {
-    PartFacets& p = parts[facets[f].part];
+    PartFacets& p = parts[facets[f].body];
     p.trees.set(static_cast<std::size_t>(place_in_tree[f]), box, within_part(own_box));
   }
   /// Trees over what has changed, for every part; not for finding facets.
   std::vector<TreePair> trees_of(const Changed& changed) const {
     std::vector<TreePair> trees(parts.size());
-    for (const std::int32_t f : changed.boxes) trees[facets[f].part].others.add(facets[f].box);
-    for (const std::int32_t f : changed.own_boxes) trees[facets[f].part].own.add(facets[f].own_box);
+    for (const std::int32_t f : changed.boxes) trees[facets[f].body].others.add(facets[f].box);
+    for (const std::int32_t f : changed.own_boxes) trees[facets[f].body].own.add(facets[f].own_box);
     for (TreePair& p : trees) p.finish();
     return trees;
   }
@@ -111,9 +111,9 @@ struct CandidateSearch::Tables : SearchRecords {
     number.push_back(numbering.number(slave.id, slave.local));
     resize();
     slave_of[number[s]] = s;
-    if (static_cast<std::size_t>(slave.part) >= part_slaves.size())
-      part_slaves.resize(static_cast<std::size_t>(slave.part) + 1);
-    PartSlaves& part = part_slaves[slave.part];
+    if (static_cast<std::size_t>(slave.body) >= part_slaves.size())
+      part_slaves.resize(static_cast<std::size_t>(slave.body) + 1);
+    PartSlaves& part = part_slaves[slave.body];
     if (part.open_cluster < 0 ||
         static_cast<std::int32_t>(clusters[part.open_cluster].slaves.size()) == SlaveCluster::size) {
       part.open_cluster = static_cast<std::int32_t>(clusters.size());
@@ -134,20 +134,20 @@ struct CandidateSearch::Tables : SearchRecords {
   void leave(std::int32_t s) {
     KERF_ASSERT(s >= 0, "only a slave can leave");
     slaves[s].role = 0;
-    part_slaves[slaves[s].part].places[place[s]].role = 0;
+    part_slaves[slaves[s].body].places[place[s]].role = 0;
     put(s, {}, {});
     found[s].clear();
     settle(s);
   }
   void set_slave_boxes(std::int32_t s) {
-    PartSlaves& part = part_slaves[slaves[s].part];
+    PartSlaves& part = part_slaves[slaves[s].body];
     part.trees.set(static_cast<std::size_t>(place[s]), slaves[s].box, within_part(slaves[s].own_box));
   }
   /// Gives a slave other boxes, for which its cluster's only grow.
   void put(std::int32_t s, const Box& box, const Box& own_box) {
     slaves[s].box = box;
     slaves[s].own_box = own_box;
-    PartSlaves& part = part_slaves[slaves[s].part];
+    PartSlaves& part = part_slaves[slaves[s].body];
     part.trees.put(static_cast<std::size_t>(place[s]), box, within_part(own_box));
     clusters[cluster_of[s]].box.include(box);
     clusters[cluster_of[s]].own_box.include(own_box);
@@ -209,7 +209,7 @@ struct CandidateSearch::Tables : SearchRecords {
   }
   /// Pairs of a cluster of slaves with the facets of the search.
   void find_all(const SlaveCluster& cluster, bool among_others = true, bool among_own = true) {
-    const std::int32_t part = slaves[cluster.slaves.front()].part;
+    const std::int32_t part = slaves[cluster.slaves.front()].body;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const bool own = static_cast<std::int32_t>(p) == part;
       if (!(own ? among_own : among_others)) continue;
@@ -239,7 +239,7 @@ struct CandidateSearch::Tables : SearchRecords {
     found[s].clear();
     bool marked = false;
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      const bool own = static_cast<std::int32_t>(p) == slaves[s].part;
+      const bool own = static_cast<std::int32_t>(p) == slaves[s].body;
       parts[p].trees.each(own, slaves[s], [&](std::size_t k) { meet(s, parts[p].facet[k], own, marked); });
     }
     find_late(s, marked);
@@ -249,7 +249,7 @@ struct CandidateSearch::Tables : SearchRecords {
   void find_late(std::size_t s, bool& marked) {
     for (const std::int32_t number_of_late : late) {
       const ContactFacetRecord& f = facets[number_of_late];
-      const bool own = f.part == slaves[s].part;
+      const bool own = f.body == slaves[s].body;
       if (own ? same_part && f.own_box.meets(slaves[s].own_box) : f.box.meets(slaves[s].box))
         meet(s, number_of_late, own, marked);
     }
@@ -271,7 +271,7 @@ struct CandidateSearch::Tables : SearchRecords {
       const ContactFacetRecord& facet = facets[f];
       if (same_part) mark_neighbours(f);
       for (std::size_t p = 0; p < part_slaves.size(); ++p) {
-        const bool own = static_cast<std::int32_t>(p) == facet.part;
+        const bool own = static_cast<std::int32_t>(p) == facet.body;
         const PartSlaves& part = part_slaves[p];
         part.trees.each(own, facet, [&](std::size_t at) {
           const PartSlaves::Place& slave = part.places[at];
@@ -287,7 +287,7 @@ struct CandidateSearch::Tables : SearchRecords {
   }
   /// Whether a cluster meets one of the facets in some trees, of its own part or of others.
   bool meets_any(const SlaveCluster& cluster, const std::vector<TreePair>& trees, bool own) const {
-    const auto part = static_cast<std::size_t>(slaves[cluster.slaves.front()].part);
+    const auto part = static_cast<std::size_t>(slaves[cluster.slaves.front()].body);
     if (own) return part < trees.size() && trees[part].own.meets(cluster.own_box);
     for (std::size_t p = 0; p < trees.size(); ++p)
       if (p != part && trees[p].others.meets(cluster.box)) return true;
@@ -303,9 +303,9 @@ struct CandidateSearch::Tables : SearchRecords {
       const bool others = changed.clusters[c] || meets_any(cluster, trees, false);
       const bool own = same_part && (changed.own_clusters[c] || meets_any(cluster, trees, true));
       if (!others && !own) continue;
-      const std::int32_t part = slaves[cluster.slaves.front()].part;
+      const std::int32_t part = slaves[cluster.slaves.front()].body;
       for (const std::int32_t s : cluster.slaves)
-        std::erase_if(found[s], [&](std::int32_t f) { return facets[f].part == part ? own : others; });
+        std::erase_if(found[s], [&](std::int32_t f) { return facets[f].body == part ? own : others; });
       find_all(cluster, others, own);
     }
   }

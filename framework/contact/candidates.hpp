@@ -12,12 +12,12 @@ namespace kerf {
 struct Candidates {
   std::vector<std::int64_t> node_id;
   std::vector<std::int32_t> node_owner, node_local;
-  std::vector<std::int32_t> node_part;
+  std::vector<std::int32_t> node_body;
   std::vector<std::int32_t> slave;  // node number
   std::vector<ContactRow> candidates, around_rows;  // per slave: its part of the next two, which have gaps
   std::vector<std::int32_t> candidate, around;
   std::vector<std::int64_t> facet_id;
-  std::vector<std::int32_t> facet_nodes, facet_part;  // four node numbers per facet
+  std::vector<std::int32_t> facet_nodes, facet_body;  // four node numbers per facet
   std::vector<double> facet_bulk_modulus, facet_volume, facet_edge;
 };
 

@@ -75,7 +75,7 @@ double ContactEngine::extent_of(const Model& model, const std::vector<ContactNod
 double ContactEngine::reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
   double reach = 0.0;
   for (const ContactNodeRecord& s : slaves)
-    for (const auto& [box, frame] : {std::pair(&s.box, &common_frame_), std::pair(&s.own_box, &part_frames_[s.part])}) {
+    for (const auto& [box, frame] : {std::pair(&s.box, &common_frame_), std::pair(&s.own_box, &body_frames_[s.body])}) {
       const Vec3 home = s.home - frame->origin;
       for (int d = 0; d < 3; ++d) reach = std::max({reach, box->high[d] - home[d], home[d] - box->low[d]});
     }
@@ -93,7 +93,7 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
   for (const ContactFacetRecord& f : facets) {
     Vec3 low, high;
     for (int d = 0; d < 3; ++d) {
-      const double common = common_frame_.origin[d], own = part_frames_[f.part].origin[d];
+      const double common = common_frame_.origin[d], own = body_frames_[f.body].origin[d];
       low[d] = std::min(common + f.box.low[d], own + f.own_box.low[d]) - slave_reach_;
       high[d] = std::max(common + f.box.high[d], own + f.own_box.high[d]) + slave_reach_;
     }

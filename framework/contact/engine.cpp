@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "kerf/shape.hpp"
-#include "model/reference_position.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -71,10 +70,14 @@ void ContactEngine::renumbered(const Model& model) {
   n_candidates_.clear();
   on_mirror_.assign(mirrored_.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
   // By the undeformed position, which does not depend on when the question is asked.
+  mirrors_ = {};
+  std::vector<std::int32_t> list;
   for (std::size_t i = 0; i < on_mirror_.size(); ++i) {
-    const Vec3 x = reference_position(model, model.nodes.id[i]);
+    const Vec3 x = model.nodes.reference_position(static_cast<int>(i));
+    list.clear();
     for (std::size_t b = 0; b < mirrored_.size(); ++b)
-      if (model.input->boundaries[b]->mirrors(x)) on_mirror_[i] |= std::uint64_t{1} << b;
+      if (model.input->boundaries[b]->mirrors(x)) list.push_back(static_cast<std::int32_t>(b));
+    if (!list.empty()) on_mirror_[i] = mirrors_.number(list);
   }
 }
 
@@ -361,11 +364,11 @@ ContactView ContactEngine::view() const {
   v.position = position_.data();
   v.velocity = velocity_.data();
   v.mass = mass_.data();
-  v.node_part = found_->node_part.data();
+  v.node_body = found_->node_body.data();
   v.n_facets = static_cast<int>(found_->facet_id.size());
   v.facet_id = found_->facet_id.data();
   v.facet_nodes = found_->facet_nodes.data();
-  v.facet_part = found_->facet_part.data();
+  v.facet_body = found_->facet_body.data();
   v.facet_bulk_modulus = found_->facet_bulk_modulus.data();
   v.facet_volume = found_->facet_volume.data();
   v.facet_edge = found_->facet_edge.data();
@@ -423,9 +426,10 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   Exchange exchange(*this, model);
   impacts.add_to(forces, exchange);
   if (forces.overflow_node() >= 0)
-    trouble_ = fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
-                           found_->node_id[forces.overflow_node()],
-                           model.parts[found_->node_part[forces.overflow_node()]].input->name, model.rank());
+    trouble_ =
+        fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
+                    found_->node_id[forces.overflow_node()],
+                    model.parts[model.part_of_node(found_->node_id[forces.overflow_node()])].input->name, model.rank());
   push(model);
   prediction_ = nullptr;
 }
@@ -442,26 +446,33 @@ std::vector<std::string> ContactEngine::initial_penetrations(Model& model) {
   struct Deepest {
     double depth;
     std::int64_t id;
-    std::int64_t part;
   };
   std::vector<Deepest> local;
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    local.push_back({depths[i], found_->node_id[nodes[i]], found_->node_part[nodes[i]]});
+  for (std::size_t i = 0; i < nodes.size(); ++i) local.push_back({depths[i], found_->node_id[nodes[i]]});
   const std::vector<Deepest> all = gather_to_root(model.comm, local);
-  std::string text;
-  if (!all.empty()) {
-    const auto worst = *std::max_element(all.begin(), all.end(), [](const Deepest& a, const Deepest& b) {
+  // Only ranks that have the node know where it is.
+  struct {
+    std::int64_t n = 0;
+    Deepest worst{0.0, -1};
+  } found;
+  found.n = static_cast<std::int64_t>(all.size());
+  if (!all.empty())
+    found.worst = *std::max_element(all.begin(), all.end(), [](const Deepest& a, const Deepest& b) {
       return a.depth != b.depth ? a.depth < b.depth : a.id > b.id;
     });
-    const Vec3 x = reference_position(model, worst.id);
+  MPI_Bcast(&found, sizeof found, MPI_BYTE, 0, model.comm);
+  if (found.n == 0) return {};
+  const std::int32_t node = model.local_node(found.worst.id);
+  std::string text;
+  if (node >= 0) {
+    const Vec3 x = model.nodes.reference_position(node);
     text = fmt::format(
         "{}: error: {} node{} lie{} inside another body at the start, the deepest by {:.4g} m: node {} of "
         "part {} at ({:.5g}, {:.5g}, {:.5g}) m; move the parts apart",
-        law_.origin, all.size(), all.size() == 1 ? "" : "s", all.size() == 1 ? "s" : "", worst.depth, worst.id,
-        model.parts[worst.part].input->name, x.x, x.y, x.z);
+        law_.origin, found.n, found.n == 1 ? "" : "s", found.n == 1 ? "s" : "", found.worst.depth, found.worst.id,
+        model.parts[model.part_of_node(found.worst.id)].input->name, x.x, x.y, x.z);
   }
-  text = broadcast(model.comm, text);
-  return text.empty() ? std::vector<std::string>{} : std::vector<std::string>{text};
+  return {first_text(model.comm, text)};
 }
 
 }  // namespace kerf

@@ -16,6 +16,7 @@
 #include "core/timers.hpp"
 #include "kerf/contact.hpp"
 #include "kerf/partitioner.hpp"
+#include "model/distinct_lists.hpp"
 #include "model/model.hpp"
 #include "model/node_group.hpp"
 #include "model/prediction.hpp"
@@ -56,8 +57,8 @@ class ContactEngine {
   const ContactSpeeds& speeds() const { return speeds_; }
   /// What the law has found in the last forces.
   const ContactTouches& touches() const { return touches_; }
-  /// Part of a node of the last view.
-  std::int32_t part_of(int node) const { return found_->node_part[node]; }
+  /// Id of a node of the last view.
+  std::int64_t id_of(int node) const { return found_->node_id[node]; }
   double mass_of(int node) const { return mass_[node]; }
   /// Least distance at which a facet bounds the step of a node that closes in on it [m].
   double least_sight() const { return least_sight_; }
@@ -80,7 +81,7 @@ class ContactEngine {
   /// Where a node may be before the candidates become incomplete, seen from the common frame.
   struct Tracked {
     Box box;
-    std::int32_t node = 0, part = 0;
+    std::int32_t node = 0, body = 0;
   };
   static constexpr unsigned in_common_frame = 1, in_own_frame = 2;
   /// One of tracked_ that has left its boxes or is about to.
@@ -90,7 +91,7 @@ class ContactEngine {
   };
   void search(Model& model, const Step& step);
   bool keep_complete(Model& model, const Step& step);
-  std::vector<char> parts_with_own_frame() const;
+  std::vector<char> bodies_with_own_frame() const;
   void find_strays(const Model& model, const Step& step);
   void find_outgrown(const Model& model, const Step& step);
   bool refresh(Model& model, const Step& step, bool all_that_will_leave);
@@ -137,11 +138,11 @@ class ContactEngine {
   std::vector<std::int64_t> n_candidates_;  // per local node that this rank owns, at the last search; or empty
   bool space_built_ = false, valid_ = false;
   std::int64_t last_search_ = 0, last_renewal_ = 0;  // cycles
-  ContactFrame common_frame_;  // of the part that has most of the surface
-  std::vector<ContactFrame> part_frames_;
+  ContactFrame common_frame_;  // of the body that has most of the surface
+  std::vector<ContactFrame> body_frames_;  // per part; used for the first part of each body
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
-  // Of the tracked nodes, seen from the frames of their parts; apart, because few parts have one of their own to look
+  // Of the tracked nodes, seen from the frames of their bodies; apart, because few bodies have one of their own to look
   // at in every cycle.
   std::vector<Box> own_boxes_;
   std::vector<Vec3> home_;  // of the tracked nodes: decides about their rank [m]
@@ -149,7 +150,8 @@ class ContactEngine {
   std::vector<Stray> strays_;
   Counts counts_;
   std::vector<std::int32_t> track_of_;  // per local node: where it is in tracked_, or -1
-  std::vector<std::uint64_t> on_mirror_;  // per local node: boundary conditions on whose plane of symmetry it lies
+  DistinctLists mirrors_;  // boundary conditions, as places in the input
+  std::vector<std::int32_t> on_mirror_;  // per local node: a list of the conditions on whose plane of symmetry it lies
   std::unique_ptr<CandidateSearch> search_;
   const Candidates* found_ = nullptr;  // of search_
   std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank

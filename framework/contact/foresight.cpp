@@ -9,7 +9,6 @@
 #endif
 
 #include "contact/engine.hpp"
-#include "model/reference_position.hpp"
 
 namespace kerf {
 
@@ -67,15 +66,15 @@ struct Foresight {
 
 }  // namespace
 
-/// The frames that most of the exterior nodes of each part are at rest in: mean position and velocity of those whose
-/// velocities differ little. The part with the most nodes, which mostly rests, gives the common frame, also to parts
+/// The frames that most of the exterior nodes of each body are at rest in: mean position and velocity of those whose
+/// velocities differ little. The body with the most nodes, which mostly rests, gives the common frame, also to bodies
 /// that move like it. Only the size of the boxes depends on it, and how long they can be kept. Collective.
 void ContactEngine::choose_frames(const Model& model, const std::vector<std::int32_t>& surface) {
   constexpr int n_rounds = 4;
   constexpr double floor = 1e-6;  // lower bound of the variance of a mean velocity, over the square of the mean
   constexpr std::size_t n_sums = 8;
-  part_frames_.assign(model.parts.size(), {});
-  constexpr double unknown = 1e300;  // of parts without elements
+  body_frames_.assign(model.parts.size(), {});
+  constexpr double unknown = 1e300;  // of bodies without elements
   std::vector<double> within(model.parts.size(), unknown);  // square of the difference up to which nodes count [m2/s2]
   std::size_t largest = 0;
   for (int round = 0; round < n_rounds; ++round) {
@@ -83,11 +82,11 @@ void ContactEngine::choose_frames(const Model& model, const std::vector<std::int
     std::vector<double> sums(n_sums * model.parts.size(), 0.0);
     for (const std::int32_t i : surface) {
       if (!model.nodes.owned[i] || model.nodes.free[i]) continue;
-      const auto part = static_cast<std::size_t>(model.nodes.part[i]);
-      const Vec3 d = model.nodes.v(i) - part_frames_[part].velocity, x = model.nodes.x(i);
-      if (dot(d, d) > within[part]) continue;
+      const auto body = static_cast<std::size_t>(model.parts[model.nodes.part[i]].body);
+      const Vec3 d = model.nodes.v(i) - body_frames_[body].velocity, x = model.nodes.x(i);
+      if (dot(d, d) > within[body]) continue;
       const double terms[n_sums] = {d.x, d.y, d.z, dot(d, d), 1.0, x.x, x.y, x.z};
-      for (std::size_t k = 0; k < n_sums; ++k) sums[n_sums * part + k] += terms[k];
+      for (std::size_t k = 0; k < n_sums; ++k) sums[n_sums * body + k] += terms[k];
     }
     // On rank 0 and back, because all ranks must use the same bits.
     std::vector<double> totals(sums.size());
@@ -97,24 +96,24 @@ void ContactEngine::choose_frames(const Model& model, const std::vector<std::int
       const double* total = &totals[n_sums * p];
       if (round == 0 && total[4] > totals[n_sums * largest + 4]) largest = p;
       if (!(total[4] > 0.0)) continue;
-      ContactFrame& frame = part_frames_[p];
+      ContactFrame& frame = body_frames_[p];
       const Vec3 shift = Vec3{total[0], total[1], total[2]} * (1.0 / total[4]);
       frame.velocity = frame.velocity + shift;
       frame.origin = Vec3{total[5], total[6], total[7]} * (1.0 / total[4]);
       within[p] = std::max(total[3] / total[4] - dot(shift, shift), floor * dot(frame.velocity, frame.velocity));
     }
   }
-  common_frame_ = part_frames_.empty() ? ContactFrame{} : part_frames_[largest];
-  const std::vector<char> has_own = parts_with_own_frame();
-  for (std::size_t p = 0; p < part_frames_.size(); ++p)
-    if (!has_own[p] || within[p] == unknown) part_frames_[p] = common_frame_;
+  common_frame_ = body_frames_.empty() ? ContactFrame{} : body_frames_[largest];
+  const std::vector<char> has_own = bodies_with_own_frame();
+  for (std::size_t p = 0; p < body_frames_.size(); ++p)
+    if (!has_own[p] || within[p] == unknown) body_frames_[p] = common_frame_;
 }
 
 /// Foresees where a node may be until the next search or renewal.
 void ContactEngine::foresee(const Model& model, std::size_t tracked, double time, unsigned boxes) {
   Tracked& t = tracked_[tracked];
   const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node) + v * dt_ahead();
-  const ContactFrame& own = part_frames_[t.part];
+  const ContactFrame& own = body_frames_[t.body];
   const Foresight from{time - search_time_, std::max(horizon_ - time, 0.0), farthest * slack_};
   const double margin = slack_ + std::min(unsteady * norm(v - own.velocity) * from.ahead, from.farthest_way);
   if ((boxes & in_common_frame) != 0) t.box = from.whereabouts(x, v, common_frame_, margin);
@@ -126,7 +125,7 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   if (!slaves_.holds(model.nodes, node) && !masters_.holds(model.nodes, node)) return false;
   Tracked t;
   t.node = node;
-  t.part = model.nodes.part[node];
+  t.body = model.parts[model.nodes.part[node]].body;
   track_of_[node] = static_cast<std::int32_t>(tracked_.size());
   tracked_.push_back(t);
   own_boxes_.emplace_back();
@@ -135,14 +134,14 @@ bool ContactEngine::track(const Model& model, int node, double time) {
   const Box& box = tracked_.back().box;
   const Vec3 centre = common_frame_.origin + Vec3{box.centre(0), box.centre(1), box.centre(2)};
   home_.push_back(norm(centre) < beyond ? centre : Vec3{});
-  undeformed_.push_back(reference_position(model, model.nodes.id[node]));
+  undeformed_.push_back(model.nodes.reference_position(node));
   return true;
 }
 
-/// Per part, whether it moves in another way than the common frame; where it does not, both boxes of its nodes are one.
-std::vector<char> ContactEngine::parts_with_own_frame() const {
+/// Per body, whether it moves in another way than the common frame; where it does not, both boxes of its nodes are one.
+std::vector<char> ContactEngine::bodies_with_own_frame() const {
   std::vector<char> has_own;
-  for (const ContactFrame& f : part_frames_) has_own.push_back(norm(f.velocity - common_frame_.velocity) > 0.0);
+  for (const ContactFrame& f : body_frames_) has_own.push_back(norm(f.velocity - common_frame_.velocity) > 0.0);
   return has_own;
 }
 
@@ -151,8 +150,8 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
   strays_.clear();
   const double since = step.end() + dt_ahead() - search_time_;
   std::vector<FrameOrigin> own;
-  for (const ContactFrame& f : part_frames_) own.emplace_back(f.at(since));
-  const std::vector<char> has_own = parts_with_own_frame();
+  for (const ContactFrame& f : body_frames_) own.emplace_back(f.at(since));
+  const std::vector<char> has_own = bodies_with_own_frame();
   const FrameOrigin common(common_frame_.at(since));
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     constexpr std::size_t ahead = 16;  // far enough for what is known of a node to arrive
@@ -162,7 +161,7 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
     __builtin_prefetch(&model.nodes.velocity[4 * later]);
     __builtin_prefetch(&model.nodes.force[4 * later]);
     const Quad position = prediction_->position(t.node);
-    if (!common.sees_in(t.box, position) || (has_own[t.part] && !own[t.part].sees_in(own_boxes_[k], position)))
+    if (!common.sees_in(t.box, position) || (has_own[t.body] && !own[t.body].sees_in(own_boxes_[k], position)))
       strays_.push_back({static_cast<std::int32_t>(k), in_common_frame | in_own_frame});
   }
 }
@@ -170,7 +169,7 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
 /// Lists the nodes whose boxes are too small for what their velocities foretell until the horizon.
 void ContactEngine::find_outgrown(const Model& model, const Step& step) {
   strays_.clear();
-  const std::vector<char> has_own = parts_with_own_frame();
+  const std::vector<char> has_own = bodies_with_own_frame();
   const double now = step.end() + dt_ahead();
   const Foresight from{now - search_time_, std::max(horizon_ - now, 0.0), farthest * slack_};
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
@@ -179,8 +178,8 @@ void ContactEngine::find_outgrown(const Model& model, const Step& step) {
     const double margin = kept_margin * slack_;
     unsigned outgrown = 0;
     if (!t.box.contains(from.whereabouts(x, v, common_frame_, margin))) outgrown |= in_common_frame;
-    if (!has_own[t.part] && outgrown != 0) outgrown |= in_own_frame;
-    if (has_own[t.part] && !own_boxes_[k].contains(from.whereabouts(x, v, part_frames_[t.part], margin)))
+    if (!has_own[t.body] && outgrown != 0) outgrown |= in_own_frame;
+    if (has_own[t.body] && !own_boxes_[k].contains(from.whereabouts(x, v, body_frames_[t.body], margin)))
       outgrown |= in_own_frame;
     if (outgrown != 0) strays_.push_back({static_cast<std::int32_t>(k), outgrown});
   }

@@ -1,5 +1,6 @@
 // What a contact definition takes part of the surface for: the records of its slaves and facets.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -13,13 +14,18 @@ namespace kerf {
 void ContactEngine::drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const {
   if (mirrored_.empty()) return;
   std::erase_if(facets, [&](const ExteriorFacet& f) {
-    std::uint64_t all = ~std::uint64_t{0}, sets[4];
-    for (int k = 0; k < 4; ++k) {
-      all &= on_mirror_[f.nodes[k]];
-      sets[k] = model.nodes.sets[f.nodes[k]];
+    std::array<std::int32_t, 4> memberships{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (on_mirror_[f.nodes[k]] == 0) return false;
+      memberships[k] = model.nodes.membership[f.nodes[k]];
     }
-    for (std::size_t b = 0; b < mirrored_.size() && all != 0; ++b)
-      if ((all >> b & 1u) != 0 && mirrored_[b].holds_facet(f.part, sets)) return true;
+    for (const std::int32_t b : mirrors_[on_mirror_[f.nodes[0]]]) {
+      const bool all = std::all_of(f.nodes.begin() + 1, f.nodes.end(), [&](std::int32_t n) {
+        const std::vector<std::int32_t>& list = mirrors_[on_mirror_[n]];
+        return std::binary_search(list.begin(), list.end(), b);
+      });
+      if (all && mirrored_[static_cast<std::size_t>(b)].holds_facet(f.part, memberships)) return true;
+    }
     return false;
   });
 }
@@ -68,7 +74,7 @@ void ContactEngine::add_slave(const Model& model, std::size_t tracked, std::vect
   r.own_box = own_boxes_[tracked];
   r.home = home_[tracked];
   r.local = t.node;
-  r.part = t.part;
+  r.body = t.body;
   r.owner = model.rank();
   records.push_back(r);
 }
@@ -77,21 +83,21 @@ void ContactEngine::add_slave(const Model& model, std::size_t tracked, std::vect
 bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& r) const {
   const NodeStore& nodes = model.nodes;
   const PartModel& part = model.parts[f.part];
-  std::uint64_t sets[4];
+  std::array<std::int32_t, 4> memberships{};
   const Shape& shape = part.store->shape();
   for (int k = 0; k < 8; ++k) {
     const int behind = shape.behind[f.face][k % 4];
     r.locals[k] = k < 4 || behind < 0 ? f.nodes[k % 4] : part.store->node(f.slot, behind);
     r.nodes[k] = nodes.id[r.locals[k]];
     r.owners[k] = model.node_owner[r.locals[k]];
-    if (k < 4) sets[k] = nodes.sets[r.locals[k]];
+    if (k < 4) memberships[static_cast<std::size_t>(k)] = nodes.membership[r.locals[k]];
   }
-  const bool master = masters_.holds_facet(f.part, sets), slave = slaves_.holds_facet(f.part, sets);
+  const bool master = masters_.holds_facet(f.part, memberships), slave = slaves_.holds_facet(f.part, memberships);
   r.role = (master ? 1u : 0u) | (slave && request_.symmetric ? 2u : 0u);
   if (r.role == 0 && slave) r.role = ContactFacetRecord::meets_none;
   if (r.role == 0) return false;
-  r.id = part.store->id(f.slot) * Shape::code_of_faces + f.face;
-  r.part = f.part;
+  r.id = (part.store->id(f.slot) + part.shift_in_body) * Shape::code_of_faces + f.face;
+  r.body = part.body;
   r.bulk_modulus = part.bulk_modulus;
   r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
   Vec3 x[4], undeformed[4];

@@ -21,6 +21,7 @@ inline constexpr TimerInfo timer_table[] = {
     {"nodes", "the kick and drift of nodes, boundary conditions"},
     {"contact_search", "looking for what may touch"},
     {"contact_forces", "what touches, and its forces"},
+    {"loads", "forces of loads"},
     {"halo", "exchange of nodal forces, and the step's reduction"},
     {"erosion", "deleting elements, and the surface behind them"},
     {"rebalance", "moving elements between ranks"},

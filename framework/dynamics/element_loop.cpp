@@ -64,14 +64,12 @@ std::int64_t lowest_id(const PartStore& store, const Test& is_bad) {
   return id;
 }
 
-std::int64_t lowest_inverted(const Model& model, const PartStore& store) {
+std::int64_t lowest_inverted(const Model& model, const PartModel& part) {
+  const PartStore& store = *part.store;
   return lowest_id(store, [&](int slot) {
-    Vec3 x[8];
-    for (int k = 0; k < 8; ++k) x[k] = model.nodes.x(store.node(slot, k));
-    // Diagonal form of the volume: positive exactly where the mean-gradient volume is for plane faces.
-    const double v = dot(x[6] - x[0], cross(x[1] - x[0], x[2] - x[5]) + cross(x[4] - x[0], x[5] - x[7]) +
-                                          cross(x[3] - x[0], x[7] - x[2]));
-    return !(v > 0.0);
+    CellCorners x;
+    for (int k = 0; k < store.n_nodes(); ++k) x[static_cast<std::size_t>(k)] = model.nodes.x(store.node(slot, k));
+    return !(part.input->element->volume(x) > 0.0);
   });
 }
 
@@ -105,8 +103,8 @@ void collect(const Model& model, const PartModel& part, const ElementArrays<Real
   }
   if (!report.trouble.empty()) return;
   if (w.inverted_block >= 0) {
-    report.trouble_id = lowest_inverted(model, store);
-    // Warped faces: the volume may be negative in one form and not in the other.
+    report.trouble_id = lowest_inverted(model, part);
+    // The element may compute the volume in another way, with another round-off.
     if (report.trouble_id < 0)
       report.trouble_id = lowest_id(store, [&](int slot) { return slot / lane_width == w.inverted_block; });
     report.trouble = fmt::format(

@@ -10,12 +10,19 @@
 #include "contact/load.hpp"
 #include "core/quad.hpp"
 #include "dynamics/side_books.hpp"
+#include "loads/external_load.hpp"
 #include "model/constraints.hpp"
 #include "model/ledger.hpp"
 #include "model/model.hpp"
 #include "model/step.hpp"
 
 namespace kerf {
+
+/// What the force of a node holds, apart from that of its elements, in the books.
+struct ForceShares {
+  const ContactLoad& contact;
+  const ExternalLoad& external;
+};
 
 class Integrator {
  public:
@@ -24,10 +31,10 @@ class Integrator {
   /// Lets these books see what every single condition does. They must outlive this.
   void split_reactions(SideBooks& books) { books_ = &books; }
   /// v += F/m dt, constraints, x += v dt, F = 0.
-  void kick_and_drift(Model& model, const Step& step, const ContactLoad& load, Ledger& ledger);
-  /// Kinetic energy and momentum at the start of `next`, and the work of contact and boundaries up to there.
+  void kick_and_drift(Model& model, const Step& step, const ForceShares& shares, Ledger& ledger);
+  /// Kinetic energy and momentum at the start of `next`, and the work of contact, loads and boundaries up to there.
   /// Changes nothing. Collective.
-  Balance sample(const Model& model, const Step& next, const ContactLoad& load, const Ledger& ledger) const;
+  Balance sample(const Model& model, const Step& next, const ForceShares& shares, const Ledger& ledger) const;
   /// The terms of the kinetic energy in sample(), per node; zero for ghosts [J]. Local.
   std::vector<double> kinetic_energies(const Model& model, const Step& next, const Ledger& ledger) const {
     return look_ahead(model, next, ledger).kinetic;
@@ -43,16 +50,16 @@ class Integrator {
   /// A node on its way through a step, when its conditions have been asked.
   struct Passage {
     int node = 0;
-    std::uint64_t always = 0;
     Vec3 before, free_flight, after;  // [m/s]
   };
   void count(const Model& model, const Step& step, const std::vector<HalfSpace>& planes, const Passage& p,
              Ledger& ledger) const;
+  void count_shares(const Model& model, const Step& step, const ForceShares& shares, Ledger& ledger) const;
   void advance_guarded(Model& model, const Step& step, const std::vector<HalfSpace>& planes, Ledger& ledger);
 
   const Constraints& constraints_;
   SideBooks* books_ = nullptr;
-  std::vector<double> saved_, old_load_velocity_;
+  std::vector<double> saved_, old_contact_velocity_, old_external_velocity_;
 };
 
 }  // namespace kerf

@@ -59,23 +59,21 @@ StepReduction all_reduce(MPI_Comm comm, StepReduction mine) {
 
 }  // namespace
 
-Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& registry)
-    : input_(input), clock_(input.time), balancer_(input.balance) {
+Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
+    : input_(input), loads_(input), clock_(input.time), balancer_(input.balance) {
   const auto scope = timers_.measure("setup");
   create_parts(model_, comm, input);
   generate_mesh(model_);
   balancer_.distribute(model_);
   for (const auto& law : input.contacts) {
     std::unique_ptr<SpatialDecomposition> space;
-    if (model_.n_ranks() > 1) {
-      Made made = registry.make("partitioner", "zoltan_rcb");
-      space = dynamic_cast<Partitioner&>(*made.plugin).spatial();
-    }
+    if (model_.n_ranks() > 1) space = input.balance.contact_partitioner->spatial();
     contacts_.push_back(std::make_unique<ContactEngine>(model_, *law, std::move(space)));
   }
   erosion_ = std::make_unique<Erosion>(model_);
   constraints_.initialise(model_);
   ledger_.open(model_);
+  loads_.begin(model_);
   renumbered();
 
   const ContactCover cover(model_);
@@ -84,11 +82,13 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input, const Registry& r
 
   const ElementReport report = initialise_elements(model_);
   sum_over_copies(model_, model_.nodes.force.data(), 4);
+  loads_.add_forces(model_, 0.0);
   Step none;
   reduce(none, report);
   first_stable_ = reduction_.least_step;
   if (!contacts_.empty()) start_contact(report);
-  for (std::string& line : model_warnings(model_, cover)) warnings_.push_back(std::move(line));
+  for (std::string& line : model_warnings(model_, cover, loads_.count_targets(model_)))
+    warnings_.push_back(std::move(line));
   for (PartModel& part : model_.parts) {
     std::vector<double> mass;
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
@@ -170,6 +170,7 @@ std::vector<std::string> Simulation::judge_end() {
 
 void Simulation::renumbered() {
   constraints_.resolve(model_);
+  loads_.renumbered(model_);
   for (auto& c : contacts_) c->renumbered(model_);
 }
 
@@ -238,7 +239,7 @@ void Simulation::run() {
     {
       const auto scope = timers_.measure("nodes");
       side_books_.before_kick(model_);
-      integrator_.kick_and_drift(model_, step, load_, ledger_);
+      integrator_.kick_and_drift(model_, step, {load_, loads_.acting()}, ledger_);
       side_books_.after_kick(model_, step, ledger_);
       erosion_->drop_free_nodes(model_, ledger_);
     }
@@ -272,6 +273,13 @@ void Simulation::add_forces(const Step& step) {
   {
     const auto scope = timers_.measure("halo");
     sum_over_copies(model_, model_.nodes.force.data(), 4);
+  }
+  {
+    const auto scope = timers_.measure("loads");
+    loads_.add_forces(model_, step.end());
+  }
+  {
+    const auto scope = timers_.measure("halo");
     reduce(step, report);
   }
   add_contact_forces(step);
@@ -284,8 +292,8 @@ void Simulation::add_contact_forces(const Step& step) {
   for (auto& c : contacts_) {
     c->add_forces(model_, step, prediction, timers_);
     for (const ContactTouches::LetGo& l : c->touches().all_let_go())
-      ledger_.let_go.add(c->part_of(l.node), std::llrint(c->mass_of(l.node) / ledger_.mass_quantum), l.depth,
-                         prediction.step().end());
+      ledger_.let_go.add(model_.part_of_node(c->id_of(l.node)), std::llrint(c->mass_of(l.node) / ledger_.mass_quantum),
+                         l.depth, prediction.step().end());
     // The next definition predicts with these forces, on ghosts too.
     const auto scope = timers_.measure("halo");
     copy_to_ghosts(model_, model_.nodes.force.data(), 4);
@@ -301,6 +309,7 @@ void Simulation::reduce(const Step& step, ElementReport report) {
   mine.speeds = contact_speeds();
   for (const auto& c : contacts_)
     if (report.trouble.empty()) report.trouble = c->trouble();
+  if (report.trouble.empty()) report.trouble = loads_.trouble();
   if (!report.trouble.empty()) mine.flags |= flag_trouble;
   if (report.failed) mine.flags |= flag_failed;
   if (signal_seen != 0) mine.flags |= flag_signal;
@@ -338,14 +347,17 @@ void Simulation::erode(const Step& step) {
   if (step.cycle % 100 == 0 && erosion_->drop_distant_nodes(model_, ledger_))
     for (auto& c : contacts_) c->invalidate();
   if ((reduction_.flags & flag_failed) == 0) return;
-  std::vector<std::int64_t> dead;
+  std::vector<std::int64_t> dead;  // numbered body by body, as contact does
   std::vector<ExteriorFacet> opened;
   {
     const auto scope = timers_.measure("erosion");
+    loads_.before_erosion(model_, erosion_->failing());
     eroded_now_ = erosion_->erode(model_, step, ledger_);
     erosion_->update_free_nodes(model_);
-    for (const ErosionRecord& r : eroded_now_) dead.push_back(r.element);
+    for (const ErosionRecord& r : eroded_now_)
+      dead.push_back(r.element + model_.parts[model_.part_of_element(r.element)].shift_in_body);
     opened = model_.surface.opened_by(model_.surface_mesh(), erosion_->retired());
+    loads_.after_erosion(model_, opened);
   }
   {
     const auto scope = timers_.measure("contact_search");
@@ -364,7 +376,7 @@ void Simulation::stop(const std::string& local_trouble, std::int64_t id, const S
 bool Simulation::any_eroded() const { return (reduction_.flags & flag_failed) != 0; }
 
 Balance Simulation::sample() {
-  Balance b = integrator_.sample(model_, next_step(), load_, ledger_);
+  Balance b = integrator_.sample(model_, next_step(), {load_, loads_.acting()}, ledger_);
   ledger_.judge(b);
   return b;
 }
@@ -420,6 +432,7 @@ void Simulation::resume(const Progress& p) {
   }
   for (std::size_t k = 0; k < p.force_of_contact.size(); ++k)
     side_books_.restore_load(model_, k, p.force_of_contact[k]);
+  loads_.restore(model_, p.external_force);
 }
 
 // A node that races is the more telling of the two: the energies it leads to may be no numbers any more.

@@ -16,9 +16,9 @@
 #include "dynamics/side_books.hpp"
 #include "erosion/erosion.hpp"
 #include "erosion/record.hpp"
+#include "loads/loads.hpp"
 #include "model/ledger.hpp"
 #include "model/model.hpp"
-#include "plugin/registry.hpp"
 #include "review/initial_overlap.hpp"
 
 namespace kerf {
@@ -44,7 +44,7 @@ class Simulation {
  public:
   /// Builds and distributes the model of time zero. Throws InputError where bodies overlap or nodes cannot start as
   /// they stand. Collective, as is everything here.
-  Simulation(MPI_Comm comm, const ModelInput& input, const Registry& registry);
+  Simulation(MPI_Comm comm, const ModelInput& input);
 
   void observe(StepObserver& observer) { observers_.push_back(&observer); }
   /// Keeps books per boundary condition or per contact definition from now on.
@@ -74,6 +74,8 @@ class Simulation {
   SideBooks& side_books() { return side_books_; }
   /// Throws PhysicsError where energy grows or a node races. Collective.
   void check(const Balance& balance) const;
+  /// Forces of loads in the last step on the nodes that this rank owns.
+  const ExternalLoad& external_load() const { return loads_.acting(); }
   /// Contact forces of the last step on the nodes that this rank owns.
   const ContactLoad& contact_load() const { return load_; }
   /// The step that will follow.
@@ -101,6 +103,7 @@ class Simulation {
         contact_force;  // and friction; by node id, any superset
     std::vector<std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>>
         force_of_contact;  // where books are kept
+    std::vector<LoadOnNode> external_force;  // each node on any one rank
   };
   /// Collective.
   Progress progress() const;
@@ -127,6 +130,7 @@ class Simulation {
 
   const ModelInput& input_;
   Model model_;
+  Loads loads_;
   Ledger ledger_;
   Clock clock_;
   Balancer balancer_;

@@ -28,6 +28,15 @@ bool Erosion::any_failed() const {
   return std::any_of(judges_.begin(), judges_.end(), [](const auto& j) { return j && !j->failures.empty(); });
 }
 
+std::vector<ExteriorFacet> Erosion::failing() const {
+  std::vector<ExteriorFacet> elements;
+  for (std::size_t p = 0; p < judges_.size(); ++p)
+    if (judges_[p])
+      for (const PartJudge::Failure& f : judges_[p]->failures)
+        elements.push_back({static_cast<std::int32_t>(p), f.slot, 0, {}});
+  return elements;
+}
+
 std::vector<ErosionRecord> Erosion::erode(Model& model, const Step& step, Ledger& ledger) {
   std::vector<ErosionRecord> records;
   retired_.clear();

@@ -21,6 +21,8 @@ class Erosion {
   ErosionJudge* judge(Model& model, int part, std::int64_t cycle);
   std::uint8_t* flags(int part);
   bool any_failed() const;
+  /// Elements of this rank that the next erode() will retire; the face means nothing.
+  std::vector<ExteriorFacet> failing() const;
   /// Retires the failed elements of this rank, adds them to the accounts and returns their records. Local.
   std::vector<ErosionRecord> erode(Model& model, const Step& step, Ledger& ledger);
   /// Slots that the last erode() retired on this rank; the face means nothing.

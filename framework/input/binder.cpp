@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/units.hpp"
+#include "input/curve_table.hpp"
 #include "input/number_list.hpp"
 #include "input/parameter_text.hpp"
 #include "input/substitute.hpp"
@@ -129,6 +130,8 @@ void Binder::bind_parameter(const Parameter& p, const Node& node, void* target, 
       return bind_map(p, node, target, path);
     case ValueKind::plugin:
       return bind_plugin(p, node, target, "", path, where);
+    case ValueKind::curve:
+      return bind_curve(p, node, target);
   }
 }
 
@@ -299,6 +302,16 @@ void Binder::bind_map(const Parameter& p, const Node& node, void* target, const 
     else
       bind_block(p.nested(), entry.value, p.open_block(target, entry.key), entry_path, entry.key_origin);
   }
+}
+
+void Binder::bind_curve(const Parameter& p, const Node& node, void* target) {
+  if (!is_scalar(p, node)) return;
+  const Curve* curve = curves_ ? curves_->find(node.text) : nullptr;
+  if (curve) return p.set_curve(target, curve);
+  const std::vector<std::string> names = curves_ ? curves_->names() : std::vector<std::string>{};
+  diagnostics_.error(node.origin, fmt::format("there is no curve \"{}\"{}", node.text,
+                                              names.empty() ? "; declare it in the block `curves`"
+                                                            : suggestion(node.text, names, "the curves")));
 }
 
 const Description* Binder::plugin_type(const Parameter& p, const Node& node, const Origin& where) {

@@ -9,10 +9,13 @@
 
 namespace kerf {
 
+class CurveTable;
+
 class Binder {
  public:
-  Binder(const Registry& registry, Diagnostics& diagnostics, OriginMap& origins)
-      : registry_(registry), diagnostics_(diagnostics), origins_(origins) {}
+  /// `curves` has the curves that the input may name; null where it has none.
+  Binder(const Registry& registry, Diagnostics& diagnostics, OriginMap& origins, CurveTable* curves = nullptr)
+      : registry_(registry), diagnostics_(diagnostics), origins_(origins), curves_(curves) {}
 
   /// Fills `target`, which `description` describes, from a map. `path` is what the block is called in the input
   /// ("parts.rod"), empty for the whole; `where` is the place of its key.
@@ -34,6 +37,7 @@ class Binder {
   void bind_map(const Parameter& p, const Node& node, void* target, const std::string& path);
   void bind_plugin(const Parameter& p, const Node& node, void* target, const std::string& key, const std::string& path,
                    const Origin& where);
+  void bind_curve(const Parameter& p, const Node& node, void* target);
   const Description* plugin_type(const Parameter& p, const Node& node, const Origin& where);
   /// Returns the names that unknown keys were probably meant to be.
   std::vector<std::string> check_keys(const Description& description, const Node& node, bool is_plugin);
@@ -47,6 +51,7 @@ class Binder {
   const Registry& registry_;
   Diagnostics& diagnostics_;
   OriginMap& origins_;
+  CurveTable* curves_;
 };
 
 }  // namespace kerf

@@ -88,6 +88,8 @@ Json value_schema(const Parameter& p) {
       return list_of(plugin_reference(p));
     case ValueKind::plugin_map:
       return map_of(plugin_reference(p));
+    case ValueKind::curve:
+      return or_parameter({{"type", "string"}, {"pattern", name_pattern}});
   }
   return {};
 }
@@ -148,8 +150,8 @@ std::string json_schema(const Registry& registry) {
   schema.update(block_schema(input_description()));
   Json definitions = Json::object();
   // Every kind that the input mentions must resolve, also one of which nothing is registered.
-  for (const char* kind :
-       {"material", "eos", "erosion", "element", "mesh", "contact", "boundary", "measure", "observer", "partitioner"})
+  for (const char* kind : {"material", "eos", "erosion", "element", "mesh", "contact", "boundary", "load", "measure",
+                           "observer", "partitioner"})
     definitions[kind] = kind_schema(registry, kind);
   for (const std::string& kind : registry.kinds()) {
     definitions[kind] = kind_schema(registry, kind);

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "input/output_fields.hpp"
 #include "kerf/measure.hpp"
 
@@ -24,6 +26,39 @@ void TimeInput::describe(Schema<TimeInput>& s) {
          "largest ratio of a time step to the one before it")
       .by_default("1.1");
   s.integer(&TimeInput::maximum_cycles, "maximum_cycles", positive, "the run ends after this many cycles").optional();
+}
+
+void CurveInput::describe(Schema<CurveInput>& s) {
+  s.reals(&CurveInput::times, "times", "s", any_value, "times of the points, ascending").optional();
+  s.reals(&CurveInput::values, "values", "-", any_value,
+          "values at the times, linear between them and constant outside")
+      .optional();
+  s.text(&CurveInput::file, "file", "CSV file with the points, named relative to the input file").optional();
+  s.texts(&CurveInput::columns, "columns",
+          "columns of the file that hold times and values, by their names in the heading or their numbers from 1")
+      .by_default("[1, 2]");
+  s.real(&CurveInput::period, "period", "s", positive, "time after which the points repeat").optional();
+  s.real(&CurveInput::time_scale, "time_scale", "-", positive, "factor of all times, 1e-6 for a file in microseconds")
+      .by_default("1");
+  s.real(&CurveInput::value_scale, "value_scale", "-", any_value, "factor of all values").by_default("1");
+  s.rule("file", "a curve takes either a table of `times` and `values` or a `file`",
+         [](const CurveInput& c) { return c.file.empty() == (!c.times.empty() || !c.values.empty()); });
+  s.rule("values", "times and values must be of equal number, at least one",
+         [](const CurveInput& c) { return !c.file.empty() || c.times.size() == c.values.size(); });
+  s.rule("times", "times must ascend strictly", [](const CurveInput& c) { return c.ascends(); });
+  s.rule("period", "the period must not be less than the time from the first to the last point",
+         [](const CurveInput& c) { return c.times.empty() || c.fits_period(); });
+  s.rule("columns", "two columns are needed, of the times and of the values",
+         [](const CurveInput& c) { return c.columns.size() == 2; });
+}
+
+bool CurveInput::ascends() const {
+  return std::adjacent_find(times.begin(), times.end(), [](double a, double b) { return !(a < b); }) == times.end();
+}
+
+/// In multiples of the scale, as the curve will be.
+bool CurveInput::fits_period() const {
+  return period == 0.0 || times.back() * time_scale - times.front() * time_scale <= period;
 }
 
 void ErosionInput::describe(Schema<ErosionInput>& s) {
@@ -87,6 +122,16 @@ void PartInput::describe(Schema<PartInput>& s) {
       .by_default("[0, 0, 0]");
 }
 
+void JoinedInput::describe(Schema<JoinedInput>& s) {
+  s.texts(&JoinedInput::parts, "parts", "two parts or more that share the nodes in which their meshes meet");
+  s.real(&JoinedInput::tolerance, "tolerance", "m", positive,
+         "distance up to which two nodes of different parts become one; by default a millionth of the shortest edge of "
+         "the mesh")
+      .optional();
+  s.rule("parts", "at least two parts are needed to join anything",
+         [](const JoinedInput& j) { return j.parts.size() >= 2; });
+}
+
 void SetInput::describe(Schema<SetInput>& s) {
   s.texts(&SetInput::parts, "parts", "parts whose nodes are taken; all where absent").optional();
   s.text(&SetInput::face, "face", "face of the generator whose nodes are taken").optional();
@@ -103,6 +148,9 @@ bool SetInput::has_proper_box() const {
 
 void BalanceInput::describe(Schema<BalanceInput>& s) {
   s.plugin(&BalanceInput::partitioner, "partitioner", "partitioner", "how elements are distributed over the ranks")
+      .by_default("{type: zoltan_rcb}");
+  s.plugin(&BalanceInput::contact_partitioner, "contact_partitioner", "partitioner",
+           "how space is divided between the ranks for contact; one that divides space, such as zoltan_rcb")
       .by_default("{type: zoltan_rcb}");
   s.boolean(&BalanceInput::enabled, "enabled", "whether the mesh is re-balanced during the run").by_default("true");
   s.real(&BalanceInput::threshold, "threshold", "-", Range{1.0, 100.0, false, false},
@@ -173,12 +221,17 @@ void ModelInput::describe(Schema<ModelInput>& s) {
   s.text_map(&ModelInput::parameters, "parameters", "values by name, used as $name in place of any single value")
       .optional();
   s.block(&ModelInput::time, "time", "how long the run is and how its time step is chosen");
+  // Before all that may name a curve.
+  s.block_map(&ModelInput::curves, "curves", "functions of time by name, for loads and boundary conditions").optional();
   s.block_map(&ModelInput::materials, "materials", "materials by name");
   s.block_map(&ModelInput::parts, "parts", "bodies by name");
+  s.block_list(&ModelInput::joined, "joined", "parts that are bonded: they share the nodes in which their meshes meet")
+      .optional();
   s.block_map(&ModelInput::sets, "sets", "named sets of nodes, facets and elements").optional();
   s.block_list(&ModelInput::initial_states, "initial_state", "values of state variables before the first step")
       .optional();
   s.plugin_list(&ModelInput::boundaries, "boundaries", "boundary", "boundary conditions").optional();
+  s.plugin_list(&ModelInput::loads, "loads", "load", "forces on nodes, facets and bodies").optional();
   s.plugin_list(&ModelInput::contacts, "contacts", "contact", "contact definitions").optional();
   s.plugin_map(&ModelInput::measures, "measures", "measure", "numbers that go to summary.json, by name").optional();
   s.plugin_map(&ModelInput::observers, "observers", "observer", "what is watched during the run, by name").optional();

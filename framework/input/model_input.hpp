@@ -10,9 +10,11 @@
 
 #include "kerf/boundary.hpp"
 #include "kerf/contact.hpp"
+#include "kerf/curve.hpp"
 #include "kerf/element.hpp"
 #include "kerf/eos.hpp"
 #include "kerf/erosion.hpp"
+#include "kerf/load.hpp"
 #include "kerf/material.hpp"
 #include "kerf/mesh.hpp"
 #include "kerf/observer.hpp"
@@ -28,6 +30,19 @@ struct TimeInput {
   double end = 0.0, safety_factor = 0.9, initial_step = 0.0, minimum_step = 0.0, maximum_step = 0.0, growth = 1.1;
   std::int64_t maximum_cycles = 0;
   static void describe(Schema<TimeInput>& s);
+};
+
+/// A named function of time: a table, or two columns of a file.
+struct CurveInput {
+  std::string name, file;
+  std::vector<double> times, values;  // [s], [-]
+  std::vector<std::string> columns;
+  double period = 0.0, time_scale = 1.0, value_scale = 1.0;
+  Curve curve;  // made of the above by a CurveTable
+  bool has_points() const { return !times.empty() && times.size() == values.size(); }
+  bool ascends() const;
+  bool fits_period() const;
+  static void describe(Schema<CurveInput>& s);
 };
 
 struct ErosionInput {
@@ -84,11 +99,19 @@ struct SetInput {
   static void describe(Schema<SetInput>& s);
 };
 
+/// Parts that become one where nodes of their undeformed meshes meet.
+struct JoinedInput {
+  std::vector<std::string> parts;
+  double tolerance = 0.0;  // [m]; 0 where absent
+  std::string origin;  // where it was written; not a key of the input
+  static void describe(Schema<JoinedInput>& s);
+};
+
 struct BalanceInput {
   bool enabled = true;
   double threshold = 1.05, cost_factor = 1.0;
   std::int64_t check_interval = 50, cooldown = 100, force_interval = 0;
-  std::unique_ptr<Partitioner> partitioner;
+  std::unique_ptr<Partitioner> partitioner, contact_partitioner;
   static void describe(Schema<BalanceInput>& s);
 };
 
@@ -112,11 +135,14 @@ struct ModelInput {
   std::string title, precision;
   std::map<std::string, std::string> parameters;  // as written; they are in their places already
   TimeInput time;
+  std::vector<std::unique_ptr<CurveInput>> curves;
   std::vector<std::unique_ptr<MaterialInput>> materials;
   std::vector<std::unique_ptr<PartInput>> parts;
+  std::vector<std::unique_ptr<JoinedInput>> joined;
   std::vector<std::unique_ptr<SetInput>> sets;
   std::vector<std::unique_ptr<InitialStateInput>> initial_states;
   std::vector<std::unique_ptr<Boundary>> boundaries;
+  std::vector<std::unique_ptr<Load>> loads;
   std::vector<std::unique_ptr<Contact>> contacts;
   std::vector<std::unique_ptr<Measure>> measures;
   std::vector<std::unique_ptr<Observer>> observers;

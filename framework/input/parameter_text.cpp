@@ -72,6 +72,8 @@ std::string expectation(const Parameter& p) {
       return "a list of maps with `type:` (`kerf list " + p.plugin_kind + "` shows the types)";
     case ValueKind::plugin_map:
       return "a map from names to maps with `type:` (`kerf list " + p.plugin_kind + "` shows the types)";
+    case ValueKind::curve:
+      return "the name of a curve in `curves`";
   }
   return {};
 }
@@ -110,6 +112,8 @@ std::string kind_text(const Parameter& p) {
       return "list of " + p.plugin_kind;
     case ValueKind::plugin_map:
       return p.plugin_kind + " by name";
+    case ValueKind::curve:
+      return "name of a curve";
   }
   return {};
 }

@@ -2,6 +2,7 @@
 #include "input/read_model.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -14,15 +15,17 @@ namespace kerf {
 
 namespace {
 
-/// FNV-1a over keys and texts, in the order of writing.
+/// FNV-1a.
+void add(const std::string& text, std::uint64_t& hash) {
+  for (const char c : text + '\n') hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+}
+
+/// Of keys and texts, in the order of writing.
 void digest(const Node& node, std::uint64_t& hash) {
-  const auto add = [&](const std::string& text) {
-    for (const char c : text + '\n') hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-  };
-  add(node.text);
+  add(node.text, hash);
   for (const Node& item : node.items) digest(item, hash);
   for (const Entry& entry : node.entries) {
-    add(entry.key);
+    add(entry.key, hash);
     digest(entry.value, hash);
   }
 }
@@ -30,12 +33,13 @@ void digest(const Node& node, std::uint64_t& hash) {
 /// Whether an entry means the same as leaving its key out. Restart files from before the key existed still match then.
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
 
-/// Of precision, materials, parts, sets, initial states, boundaries, contacts, checks and the choice of the time step:
-/// what is computed. How long, how it is distributed and what is written may change at a restart.
-std::string physics_digest(const Node& root) {
+/// Of precision, materials, parts, joints, sets, initial states, boundaries, contacts, checks, loads, curves with the
+/// files that they name, and the choice of the time step: what is computed. How long, how it is distributed and what is
+/// written may change at a restart.
+std::string physics_digest(const Node& root, const std::vector<std::string>& files) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const char* key :
-       {"precision", "materials", "parts", "sets", "initial_state", "boundaries", "contacts", "checks"})
+  for (const char* key : {"precision", "materials", "parts", "joined", "sets", "initial_state", "boundaries",
+                          "contacts", "checks", "loads", "curves"})
     if (const Entry* entry = root.find(key); entry && !is_default(*entry)) digest(entry->value, hash);
   if (const Entry* time = root.find("time"))
     for (const Entry& entry : time->value.entries)
@@ -43,6 +47,8 @@ std::string physics_digest(const Node& root) {
         digest(Node{.origin = {}, .text = entry.key, .items = {}, .entries = {}}, hash);
         digest(entry.value, hash);
       }
+  for (const std::string& text : files)
+    if (!text.empty()) add(text, hash);
   return std::to_string(hash);
 }
 
@@ -50,7 +56,7 @@ std::string physics_digest(const Node& root) {
 
 std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const std::string& bytes,
                                              const std::vector<std::string>& overrides, const Registry& registry,
-                                             Diagnostics& diagnostics, OriginMap& origins) {
+                                             Diagnostics& diagnostics, OriginMap& origins, const FileReader& read) {
   std::optional<Node> root = read_yaml(file_name, bytes, diagnostics);
   if (!root) throw InputError(diagnostics.errors());
   const Origin top{std::make_shared<const std::string>(file_name), 1, 1};
@@ -61,10 +67,14 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
     diagnostics.error(top, "the input is empty; expected at least the keys time, materials and parts");
     return model;
   }
-  model->digest = physics_digest(*root);
   origins.add("", top);
-  Binder(registry, diagnostics, origins)
+  CurveTable curves(model->curves, std::filesystem::path(file_name).parent_path().string(), read, origins, diagnostics);
+  Binder(registry, diagnostics, origins, &curves)
       .bind_block(Schema<ModelInput>::described<ModelInput>(), *root, model.get(), "", top);
+  for (std::size_t k = 0; k < model->joined.size(); ++k)
+    model->joined[k]->origin = origins.find("joined[" + std::to_string(k) + "].parts").text();
+  curves.finish();
+  model->digest = physics_digest(*root, curves.file_texts());
   model->end_origin = origins.find("time.end").text();
   return model;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/diagnostics.hpp"
+#include "input/curve_table.hpp"
 #include "input/document.hpp"
 #include "input/model_input.hpp"
 #include "plugin/registry.hpp"
@@ -13,11 +14,12 @@
 namespace kerf {
 
 /// Reads an input text, after the overrides "key.path=value", into a model. All mistakes go to `diagnostics`, and
-/// the model holds what could be read: members whose text was wrong are null. Throws InputError where the text is
-/// not YAML at all.
+/// the model holds what could be read: members whose text was wrong are null. `read` gets the files that the text
+/// names, always the same ones in the same order. Throws InputError where the text is not YAML at all.
 std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const std::string& bytes,
                                              const std::vector<std::string>& overrides, const Registry& registry,
-                                             Diagnostics& diagnostics, OriginMap& origins);
+                                             Diagnostics& diagnostics, OriginMap& origins,
+                                             const FileReader& read = read_text_file);
 
 /// Checks what no single block can know: names that refer to one another, faces, variables that laws read from one
 /// another. Prepares the mesh generators. May be called on a model with errors, to find all of them at once.

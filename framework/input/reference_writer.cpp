@@ -85,9 +85,9 @@ std::string skeleton(const Description& d) {
 // Pages of the theory manual by kind; a type with a page of its own name needs no entry.
 const std::map<std::string, std::string>& theory_pages() {
   static const std::map<std::string, std::string> pages = {
-      {"boundary", "boundaries"}, {"contact", "contact"},     {"eos", "eos"},
-      {"erosion", "erosion"},     {"material", "materials"},  {"measure", "measures"},
-      {"observer", "observers"},  {"partitioner", "parallel"}};
+      {"boundary", "boundaries"}, {"contact", "contact"},    {"eos", "eos"},
+      {"erosion", "erosion"},     {"load", "loads"},         {"material", "materials"},
+      {"measure", "measures"},    {"observer", "observers"}, {"partitioner", "parallel"}};
   return pages;
 }
 

@@ -46,10 +46,13 @@ class Validator {
     }
     check_parts();
     prepare_meshes();
+    for (std::size_t k = 0; k < model_.joined.size(); ++k) check_joint(*model_.joined[k], k);
     for (const auto& set : model_.sets) check_set(*set);
     check_references();
     for (std::size_t i = 0; i < model_.initial_states.size(); ++i) check_initial_state(i);
     check_fields();
+    check_loads();
+    check_contact_partitioner();
   }
 
  private:
@@ -78,9 +81,11 @@ class Validator {
     }
     require_all(model_.boundaries, "boundaries", "Boundary");
     require_all(model_.contacts, "contacts", "Contact");
+    require_all(model_.loads, "loads", "Load");
     require_all(model_.measures, "measures", "Measure");
     require_all(model_.observers, "observers", "Observer");
     require(model_.balance.partitioner.get(), "balance.partitioner", "Partitioner");
+    require(model_.balance.contact_partitioner.get(), "balance.contact_partitioner", "Partitioner");
   }
 
   void check_time_and_checks() {
@@ -115,6 +120,12 @@ class Validator {
             fmt::format("the mesh of part `{}` is made of cells of the shape {}, and the element {} is a "
                         "{}; expected one shape",
                         part->name, part->mesh->shape().name, part->element->type, part->element->shape().name));
+    for (const auto& part : model_.parts)
+      if (part->element && part->element->shape().dimension != Dimension::solid)
+        diagnostics_.error(
+            origins_.find("parts." + part->name + ".element"),
+            fmt::format("the element {} is {}; expected an element of three dimensions", part->element->type,
+                        part->element->shape().dimension == Dimension::plane ? "plane" : "axisymmetric"));
     for (const std::string& name : sets_)
       if (contains(parts_, name))
         diagnostics_.error(origins_.find("sets." + name),
@@ -132,6 +143,33 @@ class Validator {
           ready = false;
         }
       is_prepared_.push_back(ready);
+    }
+  }
+
+  void check_joint(const JoinedInput& joint, std::size_t number) {
+    const PartInput* first = nullptr;
+    Names seen;
+    for (std::size_t i = 0; i < joint.parts.size(); ++i) {
+      const std::string& name = joint.parts[i];
+      const Origin origin = origins_.find(fmt::format("joined[{}].parts[{}]", number, i));
+      if (!contains(parts_, name)) {
+        diagnostics_.error(origin,
+                           fmt::format("there is no part \"{}\"{}", name, suggestion(name, parts_, "the parts")));
+        continue;
+      }
+      if (contains(seen, name))
+        diagnostics_.error(origin, fmt::format("part {} cannot be joined with itself; expected each part once", name));
+      seen.push_back(name);
+      for (const auto& part : model_.parts) {
+        if (part->name != name) continue;
+        if (!first) first = part.get();
+        const Vec3 d = part->velocity - first->velocity;
+        if (norm(d) > 0.0)
+          diagnostics_.warning(origin,
+                               fmt::format("parts {} and {} start with different velocities and share nodes, which "
+                                           "start with the mean, weighted by mass: kinetic energy is lost at once",
+                                           first->name, name));
+      }
     }
   }
 
@@ -187,8 +225,27 @@ class Validator {
     both.insert(both.end(), sets_.begin(), sets_.end());
     for (const auto& item : model_.boundaries) check_names(item, both, "part or set", "the parts and sets");
     for (const auto& item : model_.contacts) check_names(item, both, "part or set", "the parts and sets");
+    for (const auto& item : model_.loads) check_names(item, both, "part or set", "the parts and sets");
     for (const auto& item : model_.measures) check_names(item, parts_, "part", "the parts");
     for (const auto& item : model_.observers) check_names(item, parts_, "part", "the parts");
+  }
+
+  void check_loads() {
+    for (const auto& load : model_.loads)
+      if (load && !dynamic_cast<const NodalLoad*>(load.get()) && !dynamic_cast<const FacetLoad*>(load.get()) &&
+          !dynamic_cast<const BodyLoad*>(load.get()))
+        diagnostics_.error(load->origin, fmt::format("the load {} derives from none of kerf::NodalLoad, FacetLoad and "
+                                                     "BodyLoad; its plugin must choose one",
+                                                     load->type));
+  }
+
+  void check_contact_partitioner() {
+    const auto& partitioner = model_.balance.contact_partitioner;
+    if (partitioner && !partitioner->spatial())
+      diagnostics_.error(origins_.find("balance.contact_partitioner"),
+                         fmt::format("{} does not divide space between ranks, as contact needs it; expected one that "
+                                     "does, such as zoltan_rcb",
+                                     partitioner->type));
   }
 
   static void add_variables(Names& names, const Law* law) {

@@ -1,4 +1,4 @@
-// Cuts a hexahedron by planes and keeps what is left as a list of polygons.
+// Cuts a cell by planes and keeps what is left as a list of polygons.
 #include "mesh/shared_volume.hpp"
 
 #include <algorithm>
@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "core/assert.hpp"
-#include "kerf/shape.hpp"
 
 namespace kerf {
 
@@ -43,10 +42,12 @@ class Polygon {
 class Polyhedron {
  public:
   /// `origin` is taken from all positions, so that round-off is that of a cell's size.
-  Polyhedron(const HexCorners& x, Vec3 origin) : origin_(origin) {
-    for (const auto& corners : hexahedron.face) {
+  Polyhedron(const Cell& cell, Vec3 origin) : origin_(origin) {
+    for (int f = 0; f < cell.shape->n_faces; ++f) {
+      const auto& corners = cell.shape->face[f];
       Polygon& face = face_[static_cast<std::size_t>(n_++)];
-      for (const int k : corners) face.add(x[static_cast<std::size_t>(k)] - origin);
+      for (int k = 0; k < (corners[3] == corners[2] ? 3 : 4); ++k)
+        face.add(cell.x[static_cast<std::size_t>(corners[k])] - origin);
     }
   }
 
@@ -133,15 +134,16 @@ class Polyhedron {
 
   Vec3 origin_;
   int n_ = 0;
-  std::array<Polygon, 12> face_;
+  std::array<Polygon, 2 * Shape::most_faces> face_;
 };
 
 /// Whether all corners lie at or beyond one of the planes, each moved inwards by `inwards` and its warp times `sign`.
-bool beyond_a_plane(const HexCorners& x, const FacePlanes& planes, double inwards, double sign) {
-  for (std::size_t f = 0; f < 6; ++f) {
+bool beyond_a_plane(const Cell& cell, const FacePlanes& planes, double inwards, double sign) {
+  for (std::size_t f = 0; f < Shape::most_faces; ++f) {
     if (dot(planes.normal[f], planes.normal[f]) == 0.0) continue;
     double lowest = std::numeric_limits<double>::infinity();
-    for (const Vec3& corner : x) lowest = min_of(lowest, dot(planes.normal[f], corner));
+    for (int k = 0; k < cell.shape->n_nodes; ++k)
+      lowest = min_of(lowest, dot(planes.normal[f], cell.x[static_cast<std::size_t>(k)]));
     if (lowest >= planes.offset[f] - inwards - sign * planes.warp[f]) return true;
   }
   return false;
@@ -149,9 +151,9 @@ bool beyond_a_plane(const HexCorners& x, const FacePlanes& planes, double inward
 
 }  // namespace
 
-FacePlanes::FacePlanes(const HexCorners& x) {
-  for (std::size_t f = 0; f < 6; ++f) {
-    const auto at = [&](int k) { return x[static_cast<std::size_t>(hexahedron.face[f][k])]; };
+FacePlanes::FacePlanes(const Cell& cell) {
+  for (std::size_t f = 0; f < static_cast<std::size_t>(cell.shape->n_faces); ++f) {
+    const auto at = [&](int k) { return cell.x[static_cast<std::size_t>(cell.shape->face[f][k])]; };
     const Vec3 area = cross(at(2) - at(0), at(3) - at(1));
     const double size = norm(area);
     normal[f] = size > 0.0 ? area * (1.0 / size) : Vec3{};
@@ -161,11 +163,11 @@ FacePlanes::FacePlanes(const HexCorners& x) {
   }
 }
 
-SharedVolume shared_volume(const HexCorners& a, const FacePlanes& planes_of_a, const HexCorners& b,
-                           const FacePlanes& planes_of_b, double tolerance) {
+SharedVolume shared_volume(const Cell& a, const FacePlanes& planes_of_a, const Cell& b, const FacePlanes& planes_of_b,
+                           double tolerance) {
   if (beyond_a_plane(a, planes_of_b, tolerance, 1.0) || beyond_a_plane(b, planes_of_a, tolerance, -1.0)) return {};
-  Polyhedron left(a, b[0]);
-  for (std::size_t f = 0; f < 6; ++f)
+  Polyhedron left(a, b.x[0]);
+  for (std::size_t f = 0; f < Shape::most_faces; ++f)
     if (dot(planes_of_b.normal[f], planes_of_b.normal[f]) > 0.0)
       left.cut(planes_of_b.normal[f], planes_of_b.offset[f] - tolerance - planes_of_b.warp[f]);
   return left.measure();

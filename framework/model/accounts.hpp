@@ -17,11 +17,11 @@ namespace kerf {
 struct Accounts {
   std::int64_t hourglass = 0;  // dissipated or stored by hourglass control [energy quanta]
   std::int64_t contact = 0;  // taken from the nodes by contact [energy quanta]
-  std::int64_t external = 0;  // work of boundary conditions [energy quanta]
+  std::int64_t external = 0;  // work of boundary conditions and loads [energy quanta]
   std::int64_t eroded_internal = 0;  // internal energy of eroded elements, without the viscous share
   std::int64_t eroded_viscous = 0;  // work of bulk viscosity in eroded elements
   std::int64_t dropped_kinetic = 0;  // of dropped free nodes
-  std::array<std::int64_t, 3> impulse{};  // of boundary conditions [momentum quanta]
+  std::array<std::int64_t, 3> impulse{};  // of boundary conditions and loads [momentum quanta]
   std::array<std::int64_t, 3> dropped_momentum{};  // [momentum quanta]
   std::int64_t dropped_mass = 0;  // [mass quanta]
   std::int64_t eroded_elements = 0;
@@ -101,7 +101,7 @@ inline const std::vector<BookLine>& book_lines() {
        [](B b) { return b.contact; }},
       {"friction", "J", in_history | in_energy | is_share, "  by friction", "the share of friction in contact",
        [](B b) { return b.friction; }},
-      {"external", "J", in_history | in_energy, "external work", "work of boundary conditions on the model",
+      {"external", "J", in_history | in_energy, "external work", "work of boundary conditions and loads on the model",
        [](B b) { return b.external; }},
       {"eroded", "J", in_history | in_energy | adds_up, "eroded",
        "internal energy of eroded elements and kinetic energy of dropped nodes", [](B b) { return b.eroded; }},

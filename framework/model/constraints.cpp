@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "model/node_group.hpp"
-#include "model/reference_position.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -17,20 +16,25 @@ void Constraints::resolve(const Model& model) {
   const auto& boundaries = model.input->boundaries;
   std::vector<NodeGroup> groups;
   for (const auto& b : boundaries) groups.emplace_back(model, b->nodes());
+  lists_ = {};
   near_.assign(boundaries.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
   always_ = near_;
-  for (int i = 0; i < model.nodes.n(); ++i) {
-    std::uint64_t always = 0;
+  std::vector<std::int32_t> always, near;
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    always.clear();
+    near.clear();
     for (std::size_t b = 0; b < boundaries.size(); ++b) {
-      if (!groups[b].holds(model.nodes, i)) continue;
+      const auto node = static_cast<std::int32_t>(i);
+      if (!groups[b].holds(model.nodes, node)) continue;
       // By the undeformed position, which does not depend on when the question is asked.
-      const Boundary::Ask ask = boundaries[b]->ask(reference_position(model, model.nodes.id[i]));
-      if (ask == Boundary::Ask::always) always |= std::uint64_t{1} << b;
-      if (ask == Boundary::Ask::near_region) near_[i] |= std::uint64_t{1} << b;
+      const Boundary::Ask ask = boundaries[b]->ask(model.nodes.reference_position(node));
+      if (ask == Boundary::Ask::always) always.push_back(static_cast<std::int32_t>(b));
+      if (ask == Boundary::Ask::near_region) near.push_back(static_cast<std::int32_t>(b));
     }
-    if (always == 0) continue;
-    constrained_.push_back({i, always});
-    always_[i] = always;
+    if (!near.empty()) near_[i] = lists_.number(near);
+    if (always.empty()) continue;
+    always_[i] = lists_.number(always);
+    constrained_.push_back(static_cast<std::int32_t>(i));
   }
 }
 
@@ -78,18 +82,27 @@ std::vector<std::string> Constraints::complaints(const Model& model) const {
   return lines;
 }
 
-Vec3 Constraints::constrain(const Model& model, int i, std::uint64_t always, const Step& step,
-                            const std::vector<HalfSpace>& planes, Vec3 old_velocity, Vec3 velocity,
-                            Vec3* after_each) const {
+Vec3 Constraints::constrain(const Model& model, int i, const Step& step, const std::vector<HalfSpace>& planes,
+                            Vec3 old_velocity, Vec3 velocity, Vec3* after_each) const {
   const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), old_velocity};
   const BoundaryStep when{step.start + 0.5 * step.dt, step.dt};
   const auto& boundaries = model.input->boundaries;
-  for (std::size_t b = 0; b < boundaries.size(); ++b) {
-    const bool near =
-        (near_[i] >> b & 1u) != 0 && dot(planes[b].normal, node.position + velocity * step.dt) < planes[b].offset;
-    if (near || (always >> b & 1u) != 0) velocity = boundaries[b]->constrain(node, when, velocity);
-    if (after_each != nullptr) after_each[b] = velocity;
+  std::size_t n_told = 0;
+  const auto tell_up_to = [&](std::size_t place) {
+    for (; after_each != nullptr && n_told < place; ++n_told) after_each[n_told] = velocity;
+  };
+  const std::vector<std::int32_t>&always = lists_[always_[i]], &near = lists_[near_[i]];
+  // In the order of the input.
+  auto a = always.begin();
+  auto n = near.begin();
+  while (a != always.end() || n != near.end()) {
+    const bool anyway = n == near.end() || (a != always.end() && *a < *n);
+    const auto b = static_cast<std::size_t>(anyway ? *a++ : *n++);
+    tell_up_to(b);
+    if (anyway || dot(planes[b].normal, node.position + velocity * step.dt) < planes[b].offset)
+      velocity = boundaries[b]->constrain(node, when, velocity);
   }
+  tell_up_to(boundaries.size());
   return velocity;
 }
 

@@ -50,17 +50,17 @@ std::uint64_t spread_bits(std::uint64_t v) {
 
 /// Order of elements along a Morton curve through their centres, so that neighbours share cache lines.
 std::vector<std::int32_t> curve_order(const ElementBundle& part, const std::vector<NodeRecord>& nodes,
-                                      const RecordIndex& index) {
+                                      const RecordIndex& index, int n_nodes) {
   const std::size_t n = part.ids.size();
   std::vector<Vec3> centre(n);
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
   for (std::size_t e = 0; e < n; ++e) {
     Vec3 sum;
-    for (const std::int64_t id : part.nodes[e]) {
-      const double* x = nodes[index(id)].position;
+    for (int k = 0; k < n_nodes; ++k) {
+      const double* x = nodes[index(part.nodes[e][static_cast<std::size_t>(k)])].position;
       sum = sum + Vec3{x[0], x[1], x[2]};
     }
-    centre[e] = sum * 0.125;
+    centre[e] = sum * (1.0 / n_nodes);
     for (int d = 0; d < 3; ++d) {
       low[d] = std::min(low[d], centre[e][d]);
       high[d] = std::max(high[d], centre[e][d]);
@@ -114,7 +114,7 @@ void number(Model& model, ModelBundle& bundle, const RecordIndex& index) {
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     ElementBundle& part = bundle.parts[p];
     PartStore& store = *model.parts[p].store;
-    const auto order = curve_order(part, records, index);
+    const auto order = curve_order(part, records, index, store.n_nodes());
     store.make_room(static_cast<int>(order.size()));
     for (std::size_t slot = 0; slot < order.size(); ++slot) {
       const auto e = static_cast<std::size_t>(order[slot]);
@@ -146,10 +146,10 @@ void assemble(Model& model, ModelBundle&& bundle) {
   }
   bundle = ModelBundle{};
   model.nodes.place_dummies(model.dummy_edge);
-  const double volume = model.dummy_edge * model.dummy_edge * model.dummy_edge;
   model.live_elements.assign(static_cast<std::size_t>(model.nodes.n()), 0);
   for (PartModel& part : model.parts) {
     PartStore& store = *part.store;
+    const double volume = part.input->element->volume(reference_cell(store.shape(), model.dummy_edge));
     store.set_dummies(model.nodes.first_dummy(), part.material->density * volume, volume);
     for (int s = 0; s < store.n_slots(); ++s)
       for (int k = 0; k < store.n_nodes(); ++k) ++model.live_elements[store.node(s, k)];

@@ -9,7 +9,9 @@
 
 #include "input/model_input.hpp"
 #include "input/placement.hpp"
+#include "model/joining.hpp"
 #include "model/law_reads.hpp"
+#include "model/memberships.hpp"
 #include "model/node_store.hpp"
 #include "model/part_store.hpp"
 #include "model/surface.hpp"
@@ -22,7 +24,10 @@ struct PartModel {
   const PartInput* input = nullptr;
   const MaterialInput* material = nullptr;
   std::int64_t first_element = 0, n_elements = 0;  // global ids of the undeformed mesh
-  std::int64_t first_node = 0, n_nodes = 0;
+  std::int64_t first_node = 0, n_nodes = 0;  // of the mesh, before parts were joined: see SharedNodes
+  std::int64_t first_own_node = 0;  // nodes from here to that of the next part have this as their first part
+  std::int32_t body = 0;  // the first of the parts that the input joins with it, directly or through others
+  std::int64_t shift_in_body = 0;  // added to the id of an element, it numbers the elements of each body without gaps
   double bulk_modulus = 0.0;  // of the undeformed material [Pa]
   double shear_modulus = 0.0;  // [Pa]
   double initial_pressure = 0.0;  // [Pa]
@@ -47,7 +52,9 @@ struct Model {
   MPI_Comm comm = MPI_COMM_NULL;
   const ModelInput* input = nullptr;
   std::vector<PartModel> parts;
-  std::vector<std::string> set_names;  // bit k of NodeRecord::sets
+  std::vector<std::string> set_names;
+  Memberships memberships;  // of nodes in parts and sets
+  SharedNodes shared;
   std::int64_t n_elements = 0, n_nodes = 0;
   Quanta quanta;
   double dummy_edge = 1.0;  // [m]
@@ -74,6 +81,14 @@ struct Model {
     for (const PartModel& p : parts) n += p.store->n_live();
     return n;
   }
+  /// The first of the parts that a node belongs to, by the node's id.
+  std::int32_t part_of_node(std::int64_t id) const;
+  /// All parts that a local node belongs to.
+  const std::vector<std::int32_t>& parts_of(int node) const { return memberships[nodes.membership[node]].parts; }
+  bool belongs_to(int node, std::int32_t part) const;
+  /// Part of an element, by its id.
+  std::int32_t part_of_element(std::int64_t id) const;
+  bool has_joined_parts() const { return !input->joined.empty(); }
   /// Local index of a node id, -1 where this rank has no copy.
   std::int32_t local_node(std::int64_t id) const;
   /// To be called whenever local nodes came, went or changed places.

@@ -45,6 +45,8 @@ PartStore::PartStore(int index, const Element& element, Variables variables, Pre
   declare(softening, "softening",
           where(variables.softening, {core("next_strength_factor", "-", 1.0), core("next_tension_factor", "-", 1.0),
                                       core("strength_factor", "-", 1.0), core("tension_factor", "-", 1.0)}));
+  declare(loaded_faces, "loaded_faces",
+          std::vector<StateVariable>(static_cast<std::size_t>(variables.facet_loads), core("loaded_faces", "-")));
   // Those of ElementArrays<Real> whose type is Real.
   for (const FieldIndex f : {deviator, pressure, element_state})
     fields_[f].is_single = precision == Precision::single_precision;
@@ -79,7 +81,7 @@ void PartStore::resize(int n_slots) {
 
 void PartStore::clear_slot(int slot) {
   ids_[slot] = -1;
-  for (int k = 0; k < n_nodes_; ++k) nodes_[node_index(slot, k)] = first_dummy_ + k;
+  for (int k = 0; k < n_nodes_; ++k) nodes_[node_index(slot, k)] = first_dummy_ + shape_->reference[k];
   for (Field& f : fields_)
     for (int c = 0; c < f.n_components; ++c) f.set(slot, c, f.components[c].initial);
   fields_[mass].set(slot, 0, dummy_mass_);

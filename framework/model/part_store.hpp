@@ -79,13 +79,15 @@ class PartStore {
     erosion_state,
     place,  // centre and cube root of volume before the first step, where a law asks for them
     softening,  // factors of the stress, where a criterion softens: see ElementArrays
+    loaded_faces,  // per load on facets: a bit for each face that it acts on, as a whole number
     n_fields
   };
 
-  /// What the laws of a part keep.
+  /// What the laws of a part, and loads on it, keep.
   struct Variables {
     std::vector<StateVariable> material, eos, erosion;  // the first also of a solid
     bool place = false, softening = false;
+    int facet_loads = 0;  // number of loads on facets
   };
 
   PartStore(int index, const Element& element, Variables variables, Precision precision = Precision::double_precision);
@@ -121,7 +123,7 @@ class PartStore {
   int offset(FieldIndex f) const;
   /// Turns a slot into an empty one. Pre: live(slot).
   void retire(int slot, std::int32_t first_dummy);
-  /// Makes empty slots refer to the dummy nodes, whose cube has the given volume [m3].
+  /// Makes empty slots refer to the dummy nodes; their reference element has the given volume [m3].
   void set_dummies(std::int32_t first_dummy, double dummy_mass, double dummy_volume);
   /// Moves live elements together, keeping their order. Returns the new slot of every old one, -1 if empty.
   std::vector<std::int32_t> compact();
@@ -137,8 +139,8 @@ class PartStore {
   void resize(int n_slots);
   void clear_slot(int slot);
 
-  const Shape* shape_ = &hexahedron;
-  int n_nodes_ = 8;
+  const Shape* shape_ = nullptr;
+  int n_nodes_ = 0;
   int index_ = 0, n_slots_ = 0, n_live_ = 0, record_size_ = 0;
   Precision precision_ = Precision::double_precision;
   std::int64_t arrangement_ = 0;

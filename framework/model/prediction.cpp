@@ -13,24 +13,22 @@ Prediction::Prediction(const Constraints& constraints, const Model& model, const
 /// Whether no condition is asked about a flight: most nodes are far from the regions of all that are not always asked.
 bool Prediction::is_free(int i, const Quad& v) const {
   if (constraints_.none()) return true;
-  if (constraints_.always(i) != 0) return false;
-  if (constraints_.near(i) == 0) return true;
+  if (constraints_.has_always(i)) return false;
+  if (!constraints_.has_near(i)) return true;
   return !constraints_.ends_in_region(i, planes_, vector_of(from(i) + v * next_.dt));
 }
 
 Quad Prediction::velocity(int i) const {
   const Quad v = kicked(model_.nodes, i, factor_);
   if (is_free(i, v)) return v;
-  return quad_of(
-      constraints_.constrain(model_, i, constraints_.always(i), next_, planes_, model_.nodes.v(i), vector_of(v)));
+  return quad_of(constraints_.constrain(model_, i, next_, planes_, model_.nodes.v(i), vector_of(v)));
 }
 
 Prediction::Flight Prediction::flight(int i) const {
   Flight f{.velocity = kicked(model_.nodes, i, factor_), .position = {}};
   if (!is_free(i, f.velocity)) {
     const Vec3 v = vector_of(f.velocity);
-    const Vec3 constrained =
-        constraints_.constrain(model_, i, constraints_.always(i), next_, planes_, model_.nodes.v(i), v);
+    const Vec3 constrained = constraints_.constrain(model_, i, next_, planes_, model_.nodes.v(i), v);
     f.velocity = quad_of(constrained);
     f.held_axes = held_axes(i, v, constrained);
   }
@@ -44,8 +42,7 @@ unsigned Prediction::held_axes(int i, Vec3 v, Vec3 unpushed) const {
   for (int d = 0; d < 3; ++d) {
     Vec3 pushed = v;
     pushed[d] += push;
-    const Vec3 end =
-        constraints_.constrain(model_, i, constraints_.always(i), next_, planes_, model_.nodes.v(i), pushed);
+    const Vec3 end = constraints_.constrain(model_, i, next_, planes_, model_.nodes.v(i), pushed);
     if (norm(end - unpushed) < 1e-6 * push) held |= 1u << d;
   }
   return held;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/assert.hpp"
 #include "core/diagnostics.hpp"
@@ -14,6 +15,7 @@
 #include "mesh/quality.hpp"
 #include "model/copies.hpp"
 #include "model/initial_state.hpp"
+#include "model/joining.hpp"
 #include "model/migrator.hpp"
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
@@ -22,27 +24,38 @@ namespace kerf {
 
 namespace {
 
-class SetMarker {
+/// Finds the combination of part and sets that a node of one part has, and lists those that occur.
+class MembershipFinder {
  public:
-  SetMarker(const Model& model, const PartModel& part) {
+  MembershipFinder(const Model& model, std::size_t part, std::vector<Membership>& all) : all_(all) {
+    found_.parts = {static_cast<std::int32_t>(part)};
     for (std::size_t k = 0; k < model.input->sets.size(); ++k) {
-      const NodeChoice choice(*model.input->sets[k], *part.input);
-      if (choice.possible()) rules_.push_back({choice, std::uint64_t{1} << k});
+      const NodeChoice choice(*model.input->sets[k], *model.parts[part].input);
+      if (choice.possible()) rules_.push_back({choice, static_cast<std::int32_t>(k)});
     }
   }
-  std::uint64_t mark(const MeshGenerator& mesh, std::int64_t i, Vec3 x) const {
-    std::uint64_t mask = 0;
+  /// The place of the combination in the list.
+  std::int32_t number(const MeshGenerator& mesh, std::int64_t i, Vec3 x) {
+    found_.sets.clear();
     for (const Rule& r : rules_)
-      if (r.choice.takes(mesh, i, x)) mask |= r.bit;
-    return mask;
+      if (r.choice.takes(mesh, i, x)) found_.sets.push_back(r.set);
+    if (last_ < all_.size() && all_[last_] == found_) return static_cast<std::int32_t>(last_);
+    const auto [at, fresh] = numbers_.emplace(found_.sets, all_.size());
+    if (fresh) all_.push_back(found_);
+    last_ = at->second;
+    return static_cast<std::int32_t>(last_);
   }
 
  private:
   struct Rule {
     NodeChoice choice;
-    std::uint64_t bit;
+    std::int32_t set;
   };
   std::vector<Rule> rules_;
+  std::vector<Membership>& all_;
+  std::size_t last_ = std::numeric_limits<std::size_t>::max();
+  std::map<std::vector<std::int32_t>, std::size_t> numbers_;  // by the sets
+  Membership found_;
 };
 
 /// Edge of the dummies over the longest edge of all elements.
@@ -53,8 +66,37 @@ struct MeshFacts {
   double longest_edge = 0.0;  // [m]
   MeshScale scale;
   std::vector<std::array<double, 2>> sizes;  // per part: least and greatest longest edge of its elements [m]
+  std::vector<double> shortest_edges;  // per part [m]
   std::vector<std::int64_t> n_unusable;  // per part: elements that cannot be computed
+  std::vector<Membership> memberships;  // that the nodes have
+
+  explicit MeshFacts(std::size_t n_parts)
+      : sizes(n_parts, {std::numeric_limits<double>::max(), 0.0}),
+        shortest_edges(n_parts, std::numeric_limits<double>::max()),
+        n_unusable(n_parts, 0) {
+    scale.shortest_edge = std::numeric_limits<double>::max();
+  }
 };
+
+/// Makes the record of a fresh element, and notes what its shape says.
+void weigh_element(const PartModel& part, std::size_t p, const CellCorners& x, double* record, MeshFacts& facts) {
+  const Shape& shape = part.store->shape();
+  const double volume = part.input->element->volume(x);
+  if (!(volume > 0.0) || !(min_scaled_jacobian(shape, x) > 0.0)) ++facts.n_unusable[p];
+  const double edge = longest_edge(shape, x), shortest = shortest_edge(shape, x);
+  facts.longest_edge = std::max(facts.longest_edge, edge);
+  facts.scale.shortest_edge = std::min(facts.scale.shortest_edge, shortest);
+  facts.shortest_edges[p] = std::min(facts.shortest_edges[p], shortest);
+  facts.sizes[p] = {std::min(facts.sizes[p][0], edge), std::max(facts.sizes[p][1], edge)};
+  part.store->initial_record(part.material->density * volume, record);
+  InitialPoint point;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(part.store->n_nodes()); ++k)
+    point.position = point.position + x[k];
+  point.position = point.position * (1.0 / part.store->n_nodes());
+  point.length = std::cbrt(volume);
+  point.density = part.material->density;
+  initialise_laws(part, point, record);
+}
 
 /// Elements [first, last) of a part, counted within the part.
 void generate_part(const Model& model, std::size_t p, std::int64_t first, std::int64_t last, ModelBundle& bundle,
@@ -62,7 +104,7 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
   const PartModel& part = model.parts[p];
   const MeshGenerator& mesh = *part.input->mesh;
   const Placement placement(*part.input);
-  const SetMarker sets(model, part);
+  MembershipFinder memberships(model, p, facts.memberships);
   ElementBundle& out = bundle.parts[p];
   const int size = part.store->record_size();
   const auto n = static_cast<std::size_t>(last - first);
@@ -75,7 +117,7 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
   std::vector<char> seen(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (std::int64_t e = first; e < last; ++e) {
     const auto corners = mesh.element(e);
-    HexCorners x;
+    CellCorners x;
     ElementNodeIds ids{};
     for (int k = 0; k < part.store->n_nodes(); ++k) {
       x[k] = placement.apply(mesh.node(corners[k]));
@@ -85,30 +127,17 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
       NodeRecord r;
       r.id = ids[k];
       r.part = static_cast<std::int32_t>(p);
-      r.sets = sets.mark(mesh, corners[k], x[k]);
+      r.membership = memberships.number(mesh, corners[k], x[k]);
       for (int d = 0; d < 3; ++d) {
-        r.position[d] = x[k][d];
+        r.reference[d] = r.position[d] = x[k][d];
         facts.scale.farthest = std::max(facts.scale.farthest, std::fabs(x[k][d]));
         r.velocity[d] = part.input->velocity[d];
       }
       bundle.nodes.push_back(r);
     }
-    const double volume = hex_volume(x);
-    if (!(volume > 0.0) || !(min_scaled_jacobian(x) > 0.0)) ++facts.n_unusable[p];
-    const double edge = longest_edge(x);
-    facts.longest_edge = std::max(facts.longest_edge, edge);
-    facts.scale.shortest_edge = std::min(facts.scale.shortest_edge, shortest_edge(x));
-    facts.sizes[p] = {std::min(facts.sizes[p][0], edge), std::max(facts.sizes[p][1], edge)};
+    weigh_element(part, p, x, out.records.data() + static_cast<std::size_t>(e - first) * size, facts);
     out.ids.push_back(part.first_element + e);
     out.nodes.push_back(ids);
-    double* record = out.records.data() + static_cast<std::size_t>(e - first) * size;
-    part.store->initial_record(part.material->density * volume, record);
-    InitialPoint point;
-    for (int k = 0; k < part.store->n_nodes(); ++k) point.position = point.position + x[k];
-    point.position = point.position * (1.0 / part.store->n_nodes());
-    point.length = std::cbrt(volume);
-    point.density = part.material->density;
-    initialise_laws(part, point, record);
   }
 }
 
@@ -176,7 +205,44 @@ double greatest_speed(const Model& model) {
   return std::sqrt(greatest(model.comm, square));
 }
 
-/// Lumped nodal masses: equal shares of each element, summed in whole quanta over all ranks.
+/// Makes anew the records of elements whose nodes have moved when parts were joined. Pre: the ids are in ascending
+/// order.
+void reweigh_elements(const Model& model, const std::vector<std::int64_t>& moved, ModelBundle& bundle,
+                      MeshFacts& facts) {
+  if (moved.empty()) return;
+  const auto by_id = [](const NodeRecord& a, const NodeRecord& b) { return a.id < b.id; };
+  std::sort(bundle.nodes.begin(), bundle.nodes.end(), by_id);
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartStore& store = *model.parts[p].store;
+    ElementBundle& elements = bundle.parts[p];
+    for (std::size_t e = 0; e < elements.ids.size(); ++e) {
+      CellCorners x;
+      bool any = false;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(store.n_nodes()); ++k) {
+        NodeRecord wanted;
+        wanted.id = elements.nodes[e][k];
+        any = any || std::binary_search(moved.begin(), moved.end(), wanted.id);
+        const double* at = std::lower_bound(bundle.nodes.begin(), bundle.nodes.end(), wanted, by_id)->position;
+        x[k] = {at[0], at[1], at[2]};
+      }
+      if (any)
+        weigh_element(model.parts[p], p, x, &elements.records[e * static_cast<std::size_t>(store.record_size())],
+                      facts);
+    }
+  }
+}
+
+/// Makes parts share nodes as the input says. Collective.
+void join(Model& model, ModelBundle& bundle, const MeshFacts& facts) {
+  std::vector<double> shortest = facts.shortest_edges;
+  MPI_Allreduce(MPI_IN_PLACE, shortest.data(), static_cast<int>(shortest.size()), MPI_DOUBLE, MPI_MIN, model.comm);
+  const std::vector<std::int64_t> moved = join_parts(model, bundle, shortest);
+  MeshFacts changed(model.parts.size());
+  reweigh_elements(model, moved, bundle, changed);
+  refuse_unusable(model, changed);
+}
+
+/// Lumped nodal masses: the shares that elements give to their nodes, summed in whole quanta over all ranks.
 void lump_masses(Model& model) {
   double largest = 0.0;
   for (const PartModel& part : model.parts)
@@ -184,17 +250,43 @@ void lump_masses(Model& model) {
       largest = std::max(largest, part.store->field(PartStore::mass).at(s, 0));
   const double quantum = power_of_two_above(greatest(model.comm, largest)) * 0x1p-54;
   std::vector<std::int64_t> sums(static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies, 0);
-  for (const PartModel& part : model.parts)
-    for (int s = 0; s < part.store->n_slots(); ++s) {
-      const double n_shares = part.store->n_nodes();
-      const auto share = std::llrint(part.store->field(PartStore::mass).at(s, 0) / (n_shares * quantum));
-      for (int k = 0; k < part.store->n_nodes(); ++k) sums[part.store->node(s, k)] += share;
-    }
+  const auto share = [&](std::size_t p, int slot, int corner) {
+    const PartStore& store = *model.parts[p].store;
+    const double mass = store.field(PartStore::mass).at(slot, 0);
+    return static_cast<std::int64_t>(std::llrint(mass * store.shape().mass_share[corner] / quantum));
+  };
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartStore& store = *model.parts[p].store;
+    for (int s = 0; s < store.n_slots(); ++s)
+      for (int k = 0; k < store.n_nodes(); ++k) sums[store.node(s, k)] += share(p, s, k);
+  }
   sum_over_copies(model, sums.data(), 1);
   for (int i = 0; i < model.nodes.n(); ++i) model.nodes.set_mass(i, static_cast<double>(sums[i]) * quantum);
+  if (model.has_joined_parts()) share_nodes(model, quantum, share);
 }
 
-/// From what the laws, the motion at time zero and the conditions say. Collective.
+/// What loads say that they will reach.
+struct LoadBounds {
+  double pressure = 0.0;  // [Pa]
+  double force = 0.0;  // on a node [N]
+};
+
+/// The sum over all loads, which may act together. Collective.
+LoadBounds bounds_of_loads(const Model& model) {
+  LoadBounds bounds;
+  double heaviest = 0.0;
+  for (const double mass : model.nodes.mass) heaviest = std::max(heaviest, mass);
+  heaviest = greatest(model.comm, heaviest);
+  for (const auto& load : model.input->loads) {
+    const double most = load->greatest().value_or(0.0);
+    if (dynamic_cast<const FacetLoad*>(load.get())) bounds.pressure += most;
+    if (dynamic_cast<const NodalLoad*>(load.get())) bounds.force += most;
+    if (dynamic_cast<const BodyLoad*>(load.get())) bounds.force += most * heaviest;
+  }
+  return bounds;
+}
+
+/// From what the laws, the motion at time zero, the conditions and the loads say. Collective.
 void set_force_quantum(Model& model) {
   // What two bodies that meet head on can press on each other: at least rho v^2 each, which in a cold gas is more than
   // any modulus.
@@ -203,8 +295,11 @@ void set_force_quantum(Model& model) {
   for (const PartModel& part : model.parts)
     stiffest = std::max({stiffest, part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus, std::fabs(part.initial_pressure),
                          part.hot_stiffness, part.material->density * closing * closing});
+  const LoadBounds loads = bounds_of_loads(model);
+  stiffest = std::max(stiffest, loads.pressure);
   // 64 times the stiffest modulus on the largest face is the largest force that fits (design, section 5).
-  model.quanta.force.quantum = power_of_two_above(64.0 * stiffest * longest * longest) / ForceScale::limit;
+  const double greatest_force = std::max(64.0 * stiffest * longest * longest, 4.0 * loads.force);
+  model.quanta.force.quantum = power_of_two_above(greatest_force) / ForceScale::limit;
   model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
 }
 
@@ -240,6 +335,13 @@ PartStore::Variables variables_of(const MaterialInput& material, int& first) {
 
 }  // namespace
 
+std::vector<const FacetLoad*> facet_loads(const ModelInput& input) {
+  std::vector<const FacetLoad*> found;
+  for (const auto& load : input.loads)
+    if (const auto* law = dynamic_cast<const FacetLoad*>(load.get())) found.push_back(law);
+  return found;
+}
+
 void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
   model.set_comm(comm);
   model.input = &input;
@@ -253,7 +355,7 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
       if (m->name == p->material) part.material = m.get();
     KERF_ASSERT(part.material, "names of materials are checked when the input is read");
     part.first_element = model.n_elements;
-    part.first_node = model.n_nodes;
+    part.first_node = part.first_own_node = model.n_nodes;
     part.n_elements = p->mesh->n_elements();
     part.n_nodes = p->mesh->n_nodes();
     model.n_elements += part.n_elements;
@@ -263,12 +365,14 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
     part.work =
         p->element->cost() * (0.8 + 0.2 * part.material->stress_law().cost() + (part.material->erosion ? 0.1 : 0.0));
     PartStore::Variables variables = variables_of(*part.material, part.first_criterion_state);
+    variables.facet_loads = static_cast<int>(facet_loads(input).size());
     part.store =
         std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, std::move(variables), precision);
     part.material_reads = LawReads(part.material->stress_law(), *part.store);
     if (part.material->eos) part.eos_reads = LawReads(*part.material->eos, *part.store);
     model.parts.push_back(std::move(part));
   }
+  number_bodies(model);
 }
 
 void generate_mesh(Model& model) {
@@ -277,10 +381,7 @@ void generate_mesh(Model& model) {
   const std::int64_t last = first + n / n_ranks + (r < n % n_ranks ? 1 : 0);
   ModelBundle bundle;
   bundle.parts.resize(model.parts.size());
-  MeshFacts facts;
-  facts.n_unusable.assign(model.parts.size(), 0);
-  facts.scale.shortest_edge = std::numeric_limits<double>::max();
-  facts.sizes.assign(model.parts.size(), {std::numeric_limits<double>::max(), 0.0});
+  MeshFacts facts(model.parts.size());
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartModel& part = model.parts[p];
     const std::int64_t low = std::clamp(first - part.first_element, std::int64_t{0}, part.n_elements);
@@ -292,6 +393,11 @@ void generate_mesh(Model& model) {
   model.dummy_edge = dummy_size * greatest(model.comm, facts.longest_edge);
   model.scale = {least(model.comm, facts.scale.shortest_edge), greatest(model.comm, facts.scale.farthest)};
   for (const auto& boundary : model.input->boundaries) boundary->prepare(model.scale);
+  model.memberships = Memberships(model.comm, facts.memberships);
+  std::vector<std::int32_t> numbers;
+  for (const Membership& m : facts.memberships) numbers.push_back(model.memberships.number_of(m));
+  for (NodeRecord& r : bundle.nodes) r.membership = numbers[static_cast<std::size_t>(r.membership)];
+  if (model.has_joined_parts()) join(model, bundle, facts);
   assemble(model, std::move(bundle));
   lump_masses(model);
   apply_initial_states(model);

@@ -30,6 +30,13 @@ struct FaceKey {
 
 }  // namespace
 
+Surface::Place Surface::place_of(std::int32_t element, std::int32_t likely_part) const {
+  std::int32_t part = likely_part;
+  if (element < offset_[part] || element >= offset_[part + 1])
+    part = static_cast<std::int32_t>(std::upper_bound(offset_.begin(), offset_.end(), element) - offset_.begin()) - 1;
+  return {part, element - offset_[part]};
+}
+
 void Surface::build(const SurfaceMesh& mesh) {
   offset_.assign(1, 0);
   for (const PartModel& p : mesh.parts) offset_.push_back(offset_.back() + p.store->n_slots());
@@ -87,13 +94,12 @@ void Surface::match_remote(const SurfaceMesh& mesh, const std::vector<std::int64
   for (const std::int32_t s : mesh.ghost_plan->sources()) shared[s] = 1;
   std::vector<OpenFace> faces;
   std::vector<std::int64_t> where;
-  std::size_t part = 0;
   for (const std::int64_t code : open) {
     const auto element = static_cast<std::int32_t>(code / Shape::code_of_faces);
     const int face = static_cast<int>(code % Shape::code_of_faces);
-    part = static_cast<std::size_t>(std::upper_bound(offset_.begin(), offset_.end(), element) - offset_.begin()) - 1;
-    const PartStore& store = *mesh.parts[part].store;
-    const int slot = element - offset_[part];
+    const Place at = place_of(element, 0);
+    const PartStore& store = *mesh.parts[at.part].store;
+    const int slot = at.slot;
     OpenFace f;
     bool all = true;
     const auto n = face_nodes(store, slot, face);
@@ -149,17 +155,17 @@ std::vector<ExteriorFacet> Surface::opened_by(const SurfaceMesh& mesh, const std
   for (const ExteriorFacet& r : retired) {
     const std::int32_t dead = offset_[r.part] + r.slot;
     for (const std::int32_t n : neighbour_[dead]) {
-      if (n < 0 || !mesh.parts[r.part].store->live(n - offset_[r.part])) continue;
+      if (n < 0) continue;
+      const Place behind = place_of(n, r.part);
+      if (!mesh.parts[behind.part].store->live(behind.slot)) continue;
       for (std::int32_t face = 0; face < Shape::most_faces; ++face)
-        if (neighbour_[n][face] == dead) opened.push_back(facet(mesh, r.part, n - offset_[r.part], face));
+        if (neighbour_[n][face] == dead) opened.push_back(facet(mesh, behind.part, behind.slot, face));
     }
   }
   for (const RemoteFace& f : remote_faces_) {
     if (remote_died_.empty() || remote_died_[f.remote] == 0) continue;
-    const auto part =
-        static_cast<std::int32_t>(std::upper_bound(offset_.begin(), offset_.end(), f.element) - offset_.begin()) - 1;
-    if (mesh.parts[part].store->live(f.element - offset_[part]))
-      opened.push_back(facet(mesh, part, f.element - offset_[part], f.face));
+    const Place at = place_of(f.element, 0);
+    if (mesh.parts[at.part].store->live(at.slot)) opened.push_back(facet(mesh, at.part, at.slot, f.face));
   }
   if (known_ == Known::all_but_last_deaths) {
     exterior_.insert(exterior_.end(), opened.begin(), opened.end());
@@ -203,7 +209,8 @@ bool Surface::open_face(const SurfaceMesh& mesh, int part, std::int32_t element,
   const std::int32_t n = neighbour_[element][face];
   if (n == none) return true;
   if (n <= first_remote) return remote_alive_[first_remote - n] == 0;
-  return !mesh.parts[part].store->live(n - offset_[part]);  // faces are shared within a part only
+  const Place behind = place_of(n, part);
+  return !mesh.parts[behind.part].store->live(behind.slot);
 }
 
 void Surface::find_exterior(const SurfaceMesh& mesh) {
@@ -258,9 +265,10 @@ void Surface::neighbours(const SurfaceMesh& mesh, int part, int slot, std::vecto
       ranks.push_back(remote_rank_[first_remote - n]);
       continue;
     }
-    const PartStore& store = *mesh.parts[part].store;  // faces are shared within a part only
-    if (!store.live(n - offset_[part])) continue;
-    ids.push_back(store.id(n - offset_[part]));
+    const Place behind = place_of(n, part);
+    const PartStore& store = *mesh.parts[behind.part].store;
+    if (!store.live(behind.slot)) continue;
+    ids.push_back(store.id(behind.slot));
     ranks.push_back(mesh.rank);
   }
 }

@@ -1,6 +1,7 @@
 // Knows which faces of live elements are exterior, as elements die on this and on other ranks.
 //
-// Elements are numbered through all parts of the rank: slot of part p plus the part's offset. Faces are numbered
+// Elements are numbered through all parts of the rank: slot of part p plus the part's offset. Neighbours may be of
+// different parts, where these share nodes. Faces are numbered
 // as the shape of their element says, nodes counter-clockwise seen from outside.
 #pragma once
 
@@ -61,6 +62,11 @@ class Surface {
   static constexpr std::int32_t none = -1;
   static constexpr Neighbours all_none = {none, none, none, none, none, none};
   static constexpr std::int32_t first_remote = -2;  // code of remote neighbour r is first_remote - r
+  /// Where an element is.
+  struct Place {
+    std::int32_t part, slot;
+  };
+  Place place_of(std::int32_t element, std::int32_t likely_part) const;
   void match_local(const SurfaceMesh& mesh, std::vector<std::int64_t>& open);
   void match_remote(const SurfaceMesh& mesh, const std::vector<std::int64_t>& open);
   void find_exterior(const SurfaceMesh& mesh);

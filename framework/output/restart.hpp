@@ -19,7 +19,7 @@
 namespace kerf {
 
 /// Raised whenever the contents of a restart file change meaning.
-inline constexpr std::int64_t restart_format = 2;
+inline constexpr std::int64_t restart_format = 3;
 
 /// Where the file before the newest is kept: "restart/restart_previous.h5" for "restart/restart.h5".
 std::string previous_restart(const std::string& path);

@@ -15,6 +15,8 @@ namespace kerf {
 
 namespace {
 
+constexpr int n_node_integers = 12, n_node_reals = 10;  // of one node
+
 /// Force and friction of each owned node, six numbers one after another.
 std::vector<std::int64_t> forces_of(const NodeStore& nodes, const ContactLoad& load) {
   std::vector<std::array<std::int64_t, 6>> of_node(static_cast<std::size_t>(nodes.n()));
@@ -66,6 +68,11 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
   const NodeStore& nodes = model.nodes;
   std::vector<std::int64_t> ids, integers;
   std::vector<double> reals;
+  std::vector<std::int64_t> external, external_of_owned;  // three per node
+  external.assign(3 * static_cast<std::size_t>(nodes.n()), 0);
+  const ExternalLoad& loads = simulation.external_load();
+  for (std::size_t k = 0; k < loads.nodes.size(); ++k)
+    std::copy_n(&loads.force[4 * k], 3, &external[3 * static_cast<std::size_t>(loads.nodes[k])]);
   std::vector<std::array<std::int64_t, 6>> contact(static_cast<std::size_t>(nodes.n()));
   const ContactLoad& load = simulation.contact_load();
   for (std::size_t k = 0; k < load.nodes.size(); ++k)
@@ -77,13 +84,17 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
     if (!nodes.owned[i]) continue;
     const NodeRecord r = nodes.record(i);
     ids.push_back(r.id);
-    integers.insert(integers.end(),
-                    {static_cast<std::int64_t>(r.sets), r.part, r.free, r.force[0], r.force[1], r.force[2]});
+    integers.insert(integers.end(), {r.membership, r.part, r.free, r.force[0], r.force[1], r.force[2]});
     integers.insert(integers.end(), contact[i].begin(), contact[i].end());
+    const auto at = external.begin() + 3 * static_cast<std::ptrdiff_t>(i);
+    external_of_owned.insert(external_of_owned.end(), at, at + 3);
     reals.insert(reals.end(),
                  {r.position[0], r.position[1], r.position[2], r.velocity[0], r.velocity[1], r.velocity[2], r.mass});
+    reals.insert(reals.end(), r.reference, r.reference + 3);
   }
-  std::vector<RestartColumn> columns{{"integers", 12, integers.data()}, {"reals", 7, reals.data()}};
+  std::vector<RestartColumn> columns{{"integers", n_node_integers, integers.data()},
+                                     {"reals", n_node_reals, reals.data()}};
+  if (!model.input->loads.empty()) columns.push_back({"loads", 3, external_of_owned.data()});
   std::vector<std::vector<std::int64_t>> of_contact;  // forces of single definitions, where books of them are kept
   for (const ContactLoad& one : simulation.side_books().loads()) of_contact.push_back(forces_of(nodes, one));
   for (std::size_t k = 0; k < of_contact.size(); ++k)
@@ -169,8 +180,8 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, std::size_t n_c
     }
   }
   const RestartEntities e = file.read_entities("nodes");
-  const auto& integers = e.integer("integers", 12);
-  const auto& reals = e.real("reals", 7);
+  const auto& integers = e.integer("integers", n_node_integers);
+  const auto& reals = e.real("reals", n_node_reals);
   std::vector<NodeRecord> share(e.gids.size());
   struct Load {
     std::int64_t id, force[6];  // of contact, and of friction
@@ -178,16 +189,25 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, std::size_t n_c
   std::vector<Load> loads;
   for (std::size_t i = 0; i < share.size(); ++i) {
     NodeRecord& r = share[i];
-    const std::int64_t* k = &integers[12 * i];
+    const std::int64_t* k = &integers[n_node_integers * i];
+    const double* real = &reals[n_node_reals * i];
     r.id = e.gids[i];
-    r.sets = static_cast<std::uint64_t>(k[0]);
+    r.membership = static_cast<std::int32_t>(k[0]);
     r.part = static_cast<std::int32_t>(k[1]);
     r.free = static_cast<std::int32_t>(k[2]);
     std::copy_n(k + 3, 3, r.force);
-    std::copy_n(&reals[7 * i], 3, r.position);
-    std::copy_n(&reals[7 * i + 3], 3, r.velocity);
-    r.mass = reals[7 * i + 6];
+    std::copy_n(real, 3, r.position);
+    std::copy_n(real + 3, 3, r.velocity);
+    r.mass = real[6];
+    std::copy_n(real + 7, 3, r.reference);
     if (k[6] != 0 || k[7] != 0 || k[8] != 0) loads.push_back({r.id, {k[6], k[7], k[8], k[9], k[10], k[11]}});
+  }
+  if (!model.input->loads.empty()) {
+    const auto& external = e.integer("loads", 3);
+    for (std::size_t i = 0; i < e.gids.size(); ++i) {
+      const std::int64_t* f = &external[3 * i];
+      if (f[0] != 0 || f[1] != 0 || f[2] != 0) progress.external_force.push_back({e.gids[i], {f[0], f[1], f[2]}});
+    }
   }
   for (std::size_t c = 0; c < n_contacts; ++c) {
     const auto& forces = e.integer(fmt::format("contact_{}", c + 1), 6);
@@ -240,11 +260,11 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   Model& model = simulation.model();
   RestartReader file(model.comm, path);
   if (file.text("input_digest") != input_digest)
-    throw InputError({fmt::format(
-        "{}: error: this restart file belongs to another model; resume with the input that "
-        "wrote it (precision, materials, parts, sets, boundaries, contacts, checks, and time but for its end, must be "
-        "the same)",
-        path)});
+    throw InputError(
+        {fmt::format("{}: error: this restart file belongs to another model; resume with the input that "
+                     "wrote it (precision, materials, parts, joined, sets, boundaries, loads, curves with their files, "
+                     "contacts, checks, and time but for its end, must be the same)",
+                     path)});
   Simulation::Progress p;
   const auto clock = file.reals("clock");
   const auto counters = file.integers("counters");

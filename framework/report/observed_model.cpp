@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/fixed_sum.hpp"
-#include "model/reference_position.hpp"
+#include "model/joining.hpp"
 #include "parallel/communicator.hpp"
 #include "report/field_values.hpp"
 
@@ -21,7 +21,7 @@ constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 const char* name_of(MeetingPoint::Place place) {
   constexpr const char* names[] = {"an exception", "its end",     "sums",      "greatest", "least",
-                                   "nearest",      "from_holder", "reactions", "contacts"};
+                                   "nearest",      "from_holder", "reactions", "contacts", "mass_in"};
   return names[place];
 }
 
@@ -65,14 +65,14 @@ SimulationView::SimulationView(Simulation& simulation)
     : simulation_(simulation), meeting_(simulation.model().comm), listed_(simulation.model().parts.size()) {
   for (const PartModel& part : simulation.model().parts)
     parts.push_back({part.input->name, &part.store->shape(), part.n_elements, part.initial_mass, part.material->density,
-                     part.initial_energy});
+                     part.initial_energy, part.body});
 }
 
 void SimulationView::refresh(double at_time, double of_step, std::int64_t at_cycle) {
   time = at_time;
   dt = of_step;
   cycle = at_cycle;
-  kinetic_known_ = contact_known_ = false;
+  kinetic_known_ = contact_known_ = loads_known_ = shares_known_ = false;
   const Model& model = simulation_.model();
   const NodeStore& n = model.nodes;
   nodes = {.n = n.n(),
@@ -117,7 +117,9 @@ std::size_t SimulationView::index(int part) const {
 
 int SimulationView::slot(int part, int i) const { return listed_[index(part)].slots.at(static_cast<std::size_t>(i)); }
 
-Vec3 SimulationView::reference(std::int64_t node_id) const { return reference_position(simulation_.model(), node_id); }
+Vec3 SimulationView::reference(int node) const { return simulation_.model().nodes.reference_position(node); }
+
+bool SimulationView::belongs_to(int node, int part) const { return simulation_.model().belongs_to(node, part); }
 
 std::span<const double> SimulationView::kinetic_energy() {
   if (!kinetic_known_) kinetic_ = simulation_.kinetic_energies();
@@ -127,14 +129,26 @@ std::span<const double> SimulationView::kinetic_energy() {
 
 std::span<const Vec3> SimulationView::contact_force() {
   if (std::exchange(contact_known_, true)) return contact_force_;
-  contact_force_.assign(static_cast<std::size_t>(nodes.n), {});
   const ContactLoad& load = simulation_.contact_load();
-  for (std::size_t k = 0; k < load.nodes.size(); ++k)
-    contact_force_[static_cast<std::size_t>(load.nodes[k])] =
-        Vec3{static_cast<double>(load.force[4 * k]), static_cast<double>(load.force[4 * k + 1]),
-             static_cast<double>(load.force[4 * k + 2])} *
+  return contact_force_ = on_nodes(load.nodes, load.force);
+}
+
+std::span<const Vec3> SimulationView::load_force() {
+  if (std::exchange(loads_known_, true)) return load_force_;
+  const ExternalLoad& load = simulation_.external_load();
+  return load_force_ = on_nodes(load.nodes, load.force);
+}
+
+/// Forces of some nodes [force quanta], spread to a list of all nodes of this rank [N].
+std::vector<Vec3> SimulationView::on_nodes(const std::vector<std::int32_t>& which,
+                                           const std::vector<std::int64_t>& force) const {
+  std::vector<Vec3> all(static_cast<std::size_t>(nodes.n));
+  for (std::size_t k = 0; k < which.size(); ++k)
+    all[static_cast<std::size_t>(which[k])] =
+        Vec3{static_cast<double>(force[4 * k]), static_cast<double>(force[4 * k + 1]),
+             static_cast<double>(force[4 * k + 2])} *
         nodes.force_quantum;
-  return contact_force_;
+  return all;
 }
 
 std::int32_t SimulationView::element_node(int part, int i, int k) const { return store(part).node(slot(part, i), k); }
@@ -178,8 +192,30 @@ std::vector<double> SimulationView::node_field(int node, const std::string& name
   const NodeStore& n = simulation_.model().nodes;
   const auto i = static_cast<std::size_t>(node);
   std::vector<double> values(static_cast<std::size_t>(field->n_components));
-  field->fill({reference(n.id.at(i)), n.x(node), n.v(node), n.mass[i]}, values.data());
+  field->fill({reference(node), n.x(node), n.v(node), n.mass[i]}, values.data());
   return values;
+}
+
+std::vector<double> SimulationView::mass_in(int part) {
+  meeting_.come_to(MeetingPoint::mass_in);
+  const Model& model = simulation_.model();
+  const NodeStore& n = model.nodes;
+  const auto place = static_cast<std::int32_t>(index(part));
+  const auto is_shared = [&](int i) { return model.memberships.is_shared(n.membership[i]); };
+  if (!std::exchange(shares_known_, true) && model.has_joined_parts()) {
+    std::vector<std::int64_t> shared;
+    for (int i = 0; i < n.n(); ++i)
+      if (n.owned[i] && is_shared(i)) shared.push_back(n.id[i]);
+    shares_ = shares_of(model, shared);
+  }
+  std::vector<double> masses(static_cast<std::size_t>(n.n()), 0.0);
+  for (int i = 0; i < n.n(); ++i)
+    if (n.owned[i] && n.part[i] == place && !is_shared(i)) masses[static_cast<std::size_t>(i)] = n.mass[i];
+  for (const NodeShare& s : shares_) {
+    const std::int32_t i = model.local_node(s.node);
+    if (s.part == place && n.mass[i] > 0.0) masses[static_cast<std::size_t>(i)] = s.mass;
+  }
+  return masses;
 }
 
 std::vector<double> SimulationView::sums(const std::vector<std::span<const double>>& lists) {

@@ -23,7 +23,7 @@ class LeftBehind : public std::runtime_error {
 /// on one rank must not leave the others waiting.
 class MeetingPoint {
  public:
-  enum Place : int { failed, done, sums, greatest, least, nearest, from_holder, reactions, contacts };
+  enum Place : int { failed, done, sums, greatest, least, nearest, from_holder, reactions, contacts, mass_in };
 
   explicit MeetingPoint(MPI_Comm comm) : comm_(comm) {}
   /// Throws LeftBehind where a rank has failed, and std::runtime_error where ranks come to different places.
@@ -65,9 +65,11 @@ class SimulationView final : public ObservedModel {
   const MeetingPoint& meeting() const { return meeting_; }
 
   std::int64_t arrangement() const override { return number_; }
-  Vec3 reference(std::int64_t node_id) const override;
+  Vec3 reference(int node) const override;
+  bool belongs_to(int node, int part) const override;
   std::span<const double> kinetic_energy() override;
   std::span<const Vec3> contact_force() override;
+  std::span<const Vec3> load_force() override;
   std::span<const std::int64_t> elements(int part) const override { return listed_[index(part)].ids; }
   std::int32_t element_node(int part, int i, int k) const override;
   int n_components(const std::string& field) const override;
@@ -76,6 +78,7 @@ class SimulationView final : public ObservedModel {
   std::vector<double> field(int part, const std::string& name) const override;
   std::vector<double> field_of(int part, int i, const std::string& name) const override;
   std::vector<double> node_field(int node, const std::string& name) const override;
+  std::vector<double> mass_in(int part) override;
   std::vector<double> sums(const std::vector<std::span<const double>>& lists) override;
   std::vector<double> greatest(std::vector<double> values) override;
   std::vector<double> least(std::vector<double> values) override;
@@ -95,13 +98,15 @@ class SimulationView final : public ObservedModel {
   const PartStore& store(int part) const { return *simulation_.model().parts[index(part)].store; }
   int slot(int part, int i) const;
   void list_elements();
+  std::vector<Vec3> on_nodes(const std::vector<std::int32_t>& which, const std::vector<std::int64_t>& force) const;
 
   Simulation& simulation_;
   MeetingPoint meeting_;
   std::vector<Listed> listed_;
   std::vector<double> kinetic_;
-  std::vector<Vec3> contact_force_;
-  bool kinetic_known_ = false, contact_known_ = false;
+  std::vector<Vec3> contact_force_, load_force_;
+  std::vector<NodeShare> shares_;  // of the owned nodes that parts share
+  bool kinetic_known_ = false, contact_known_ = false, loads_known_ = false, shares_known_ = false;
   std::int64_t number_ = 0, node_arrangement_ = -1;
 };
 

@@ -5,7 +5,7 @@
 
 #include "core/assert.hpp"
 #include "input/output_fields.hpp"
-#include "model/reference_position.hpp"
+#include "model/joining.hpp"
 #include "report/field_values.hpp"
 
 namespace kerf {
@@ -40,6 +40,14 @@ void write_topology(const Model& model, ResultsWriter& results) {
       nodes.push_back(part.input->mesh->element(e - part.first_element));
       for (int k = 0; k < part.store->n_nodes(); ++k) nodes.back()[static_cast<std::size_t>(k)] += part.first_node;
     }
+  }
+  if (model.has_joined_parts()) {
+    std::vector<std::int64_t> of_mesh;
+    for (const ElementNodeIds& n : nodes) of_mesh.insert(of_mesh.end(), n.begin(), n.end());
+    const std::vector<std::int64_t> of_model = model.shared.ids.resolve(model.comm, of_mesh);
+    for (std::size_t e = 0; e < nodes.size(); ++e)
+      std::copy_n(of_model.begin() + static_cast<std::ptrdiff_t>(e * Shape::most_nodes), Shape::most_nodes,
+                  nodes[e].begin());
   }
   results.write_topology(ids, nodes, part_of, parts);
   results.note_units(units_of_fields(model));
@@ -95,7 +103,7 @@ HeldValues<double> FrameWriter::nodal(const std::string& name) {
   const auto n_components = static_cast<std::size_t>(field.n_components);
   double* out = room_for(n_components * n);
   for (const std::int32_t i : local_) {
-    field.fill({reference_position(model_, nodes.id[i]), nodes.x(i), nodes.v(i), nodes.mass[i]}, out);
+    field.fill({nodes.reference_position(i), nodes.x(i), nodes.v(i), nodes.mass[i]}, out);
     out += n_components;
   }
   return {values_.data(), n, n_components, nullptr};

@@ -9,7 +9,7 @@
 #include "core/fixed_sum.hpp"
 #include "kerf/measure.hpp"
 #include "kerf/plugin.hpp"
-#include "model/reference_position.hpp"
+#include "model/joining.hpp"
 #include "parallel/communicator.hpp"
 #include "report/reporter.hpp"
 #include "report/state_hash.hpp"
@@ -59,20 +59,39 @@ void take_on_root(const Model& model, const Each& each, const Take& take) {
   }
 }
 
-/// The elements that have eroded, as the mesh made them. Pre: elements that live have their id in `gathered`.
+/// What parts give to the nodes that they share, on rank 0. Collective.
+void gather_shares(const Model& model, MeasureModel& m) {
+  if (!model.has_joined_parts()) return;
+  std::vector<NodeShare> shares = gather_to_root(model.comm, model.shared.shares);
+  std::stable_sort(shares.begin(), shares.end(),
+                   [](const NodeShare& a, const NodeShare& b) { return a.node < b.node; });
+  for (const NodeShare& s : shares) {
+    MeasureModel::Node& node = m.nodes[static_cast<std::size_t>(s.node)];
+    if (node.first_share < 0) node.first_share = static_cast<std::int32_t>(m.shares.size());
+    m.shares.push_back({s.node, s.part, s.mass});
+  }
+}
+
+/// The elements that have eroded, as the mesh made them. Collective, of use on rank 0. Pre: elements that live have
+/// their id in `gathered`.
 std::vector<MeasureModel::Element> eroded_elements(const Model& model, const MeasureModel& gathered) {
   std::vector<MeasureModel::Element> eroded;
-  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+  std::vector<std::int64_t> of_mesh;  // nodes
+  for (std::size_t p = 0; p < model.parts.size() && model.rank() == 0; ++p) {
     const PartModel& part = model.parts[p];
     for (std::int64_t e = 0; e < part.n_elements; ++e) {
       if (gathered.elements[static_cast<std::size_t>(part.first_element + e)].id >= 0) continue;
       const Shape& shape = part.store->shape();
       MeasureModel::Element out{part.first_element + e, static_cast<int>(p), 0.0, {}, &shape};
       const auto corners = part.input->mesh->element(e);
-      for (int k = 0; k < shape.n_nodes; ++k) out.nodes[k] = static_cast<std::int32_t>(part.first_node + corners[k]);
+      for (int k = 0; k < shape.n_nodes; ++k) of_mesh.push_back(part.first_node + corners[k]);
       eroded.push_back(out);
     }
   }
+  const std::vector<std::int64_t> of_model = model.shared.ids.resolve(model.comm, of_mesh);
+  auto next = of_model.begin();
+  for (MeasureModel::Element& e : eroded)
+    for (int k = 0; k < e.shape->n_nodes; ++k) e.nodes[k] = static_cast<std::int32_t>(*next++);
   return eroded;
 }
 
@@ -85,11 +104,8 @@ MeasureModel gather_model(const Model& model) {
   }
   KERF_ASSERT(model.n_nodes <= std::numeric_limits<std::int32_t>::max(), "measures number nodes in 32 bits");
   if (model.rank() == 0) {
-    for (std::size_t p = 0; p < model.parts.size(); ++p)
-      m.nodes.resize(m.nodes.size() + static_cast<std::size_t>(model.parts[p].n_nodes),
-                     {-1, static_cast<int>(p), true, 0.0, {}, {}, {}});
-    for (std::size_t n = 0; n < m.nodes.size(); ++n)
-      m.nodes[n].reference = reference_position(model, static_cast<std::int64_t>(n));
+    for (std::int64_t n = 0; n < model.n_nodes; ++n)
+      m.nodes.push_back({-1, model.part_of_node(n), true, 0.0, {}, {}, {}});
     m.elements.resize(static_cast<std::size_t>(model.n_elements), {-1, -1, 0.0, {}, &hexahedron});
   }
   take_on_root<NodeRecord>(
@@ -99,7 +115,7 @@ MeasureModel gather_model(const Model& model) {
                                                    n.part,
                                                    n.free != 0,
                                                    n.mass,
-                                                   m.nodes[static_cast<std::size_t>(n.id)].reference,
+                                                   {n.reference[0], n.reference[1], n.reference[2]},
                                                    {n.position[0], n.position[1], n.position[2]},
                                                    {n.velocity[0], n.velocity[1], n.velocity[2]}};
       });
@@ -111,7 +127,8 @@ MeasureModel gather_model(const Model& model) {
         out = {e.id, static_cast<int>(e.part), e.mass, {}, &shape};
         for (int k = 0; k < shape.n_nodes; ++k) out.nodes[k] = static_cast<std::int32_t>(e.nodes[k]);
       });
-  if (model.rank() == 0) m.eroded = eroded_elements(model, m);
+  gather_shares(model, m);
+  m.eroded = eroded_elements(model, m);
   std::erase_if(m.elements, [](const MeasureModel::Element& e) { return e.id < 0; });
   return m;
 }
@@ -261,18 +278,26 @@ Summary Reporter::summarise(const std::string& exit) {
 void Reporter::add_parts(Summary& summary) {
   const Model& model = simulation_.model();
   const NodeStore& nodes = model.nodes;
+  const auto is_shared = [&](int i) { return model.memberships.is_shared(nodes.membership[i]); };
+  std::vector<std::int64_t> shared;
+  for (int i = 0; i < nodes.n(); ++i)
+    if (nodes.owned[i] && !nodes.free[i] && is_shared(i)) shared.push_back(nodes.id[i]);
+  const std::vector<NodeShare> shares = model.has_joined_parts() ? shares_of(model, shared) : std::vector<NodeShare>{};
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const PartStore& store = *model.parts[p].store;
     std::vector<double> element_mass, mass, kinetic, momentum[3];
     for (int s = 0; s < store.n_slots(); ++s)
       if (store.live(s)) element_mass.push_back(store.field(PartStore::mass).at(s, 0));
-    for (int i = 0; i < nodes.n(); ++i) {
-      if (!nodes.owned[i] || nodes.part[i] != static_cast<int>(p) || nodes.free[i]) continue;
-      const Vec3 v = nodes.v(i);
-      mass.push_back(nodes.mass[i]);
-      kinetic.push_back(0.5 * nodes.mass[i] * dot(v, v));
-      for (int d = 0; d < 3; ++d) momentum[d].push_back(nodes.mass[i] * v[d]);
-    }
+    const auto add = [&](double of_node, Vec3 v) {
+      mass.push_back(of_node);
+      kinetic.push_back(0.5 * of_node * dot(v, v));
+      for (int d = 0; d < 3; ++d) momentum[d].push_back(of_node * v[d]);
+    };
+    for (int i = 0; i < nodes.n(); ++i)
+      if (nodes.owned[i] && nodes.part[i] == static_cast<int>(p) && !nodes.free[i] && !is_shared(i))
+        add(nodes.mass[i], nodes.v(i));
+    for (const NodeShare& s : shares)
+      if (s.part == static_cast<std::int32_t>(p)) add(s.mass, nodes.v(model.local_node(s.node)));
     Summary::Part& out = summary.parts[model.parts[p].input->name];
     out.elements = model.parts[p].n_elements;
     out.alive = sum_of(model.comm, store.n_live());

@@ -41,12 +41,14 @@ class Rays {
   Rays(const Model& model, const Frame& frame, int part, int other) : frame_(frame) {
     std::vector<double> limits(8, -never);
     for (int i = 0; i < model.nodes.n(); ++i) {
-      if (model.nodes.part[i] != part && model.nodes.part[i] != other) continue;
-      const std::size_t first = model.nodes.part[i] == part ? 0 : 4;
-      for (std::size_t d = 0; d < 2; ++d) {
-        const double s = dot(model.nodes.x(i), frame.across[d]);
-        limits[first + 2 * d] = std::max(limits[first + 2 * d], -s);
-        limits[first + 2 * d + 1] = std::max(limits[first + 2 * d + 1], s);
+      for (const std::int32_t p : model.parts_of(i)) {
+        if (p != part && p != other) continue;
+        const std::size_t first = p == part ? 0 : 4;
+        for (std::size_t d = 0; d < 2; ++d) {
+          const double s = dot(model.nodes.x(i), frame.across[d]);
+          limits[first + 2 * d] = std::max(limits[first + 2 * d], -s);
+          limits[first + 2 * d + 1] = std::max(limits[first + 2 * d + 1], s);
+        }
       }
     }
     greatest_of_all(model.comm, limits);
@@ -111,11 +113,15 @@ Encounters::Encounters(Model& model, const ContactCover& cover) : model_(model),
 void Encounters::find_boundaries() {
   always_.assign(index(model_.nodes.n()), 0);
   const auto& boundaries = model_.input->boundaries;
-  for (std::size_t b = 0; b < boundaries.size(); ++b) {
-    const NodeGroup group(model_, boundaries[b]->nodes());
-    for (int i = 0; i < model_.nodes.n(); ++i)
-      if (group.holds(model_.nodes, i) && boundaries[b]->ask(model_.nodes.x(i)) == Boundary::Ask::always)
-        always_[index(i)] |= std::uint64_t{1} << b;
+  std::vector<NodeGroup> groups;
+  for (const auto& law : boundaries) groups.emplace_back(model_, law->nodes());
+  std::vector<std::int32_t> always;
+  for (int i = 0; i < model_.nodes.n(); ++i) {
+    always.clear();
+    for (std::size_t b = 0; b < boundaries.size(); ++b)
+      if (groups[b].holds(model_.nodes, i) && boundaries[b]->ask(model_.nodes.x(i)) == Boundary::Ask::always)
+        always.push_back(static_cast<std::int32_t>(b));
+    if (!always.empty()) always_[index(i)] = lists_.number(always);
   }
 }
 
@@ -123,56 +129,86 @@ bool Encounters::holds(int i, Vec3 direction) const {
   const BoundaryNode node{model_.nodes.id[i], model_.nodes.mass[i], model_.nodes.x(i), {}};
   // A step too short for a node to get anywhere, and a velocity whose change tells.
   const BoundaryStep step{0.0, 1e-12 * end_};
-  for (std::size_t b = 0; b < model_.input->boundaries.size(); ++b) {
-    if ((always_[index(i)] >> b & 1u) == 0) continue;
-    const Boundary& law = *model_.input->boundaries[b];
+  for (const std::int32_t b : lists_[always_[index(i)]]) {
+    const Boundary& law = *model_.input->boundaries[index(b)];
     const Vec3 change = law.constrain(node, step, direction) - law.constrain(node, step, {});
     if (dot(change, direction) < 0.5) return true;
   }
   return false;
 }
 
+namespace {
+
+// Of a part: least and greatest coordinates and velocities, the former with the opposite sign; then the three marks.
+constexpr std::size_t n_limits = 15, held = 12, driven = 13, loaded = 14;
+
+}  // namespace
+
+/// Marks what the conditions of a node do to its part.
+void Encounters::look_at_conditions(int i, double* of_part) const {
+  const NodeStore& nodes = model_.nodes;
+  for (const std::int32_t b : lists_[always_[index(i)]]) {
+    const Boundary& law = *model_.input->boundaries[index(b)];
+    if (law.mirrors(nodes.x(i))) continue;
+    of_part[held] = 1.0;
+    constexpr int looks = 16;
+    for (int k = 0; k <= looks && of_part[driven] < 1.0; ++k) {
+      const BoundaryNode node{nodes.id[i], nodes.mass[i], nodes.x(i), {}};
+      const Vec3 moved = law.constrain(node, {end_ * k / looks, 1e-12 * end_}, {});
+      if (norm(moved) > 0.0) of_part[driven] = 1.0;
+    }
+  }
+}
+
 void Encounters::find_starts() {
   const std::size_t n = model_.parts.size();
   const NodeStore& nodes = model_.nodes;
-  // Least and greatest coordinates and velocities, the former with the opposite sign; then the three marks.
-  constexpr std::size_t size = 15;
-  std::vector<double> limits(size * n, -never);
-  for (int i = 0; i < nodes.n(); ++i) {
-    double* of_part = &limits[size * index(nodes.part[i])];
-    for (int d = 0; d < 3; ++d) {
-      of_part[d] = std::max(of_part[d], -nodes.x(i)[d]);
-      of_part[3 + d] = std::max(of_part[3 + d], nodes.x(i)[d]);
-      of_part[6 + d] = std::max(of_part[6 + d], -nodes.v(i)[d]);
-      of_part[9 + d] = std::max(of_part[9 + d], nodes.v(i)[d]);
-    }
-    if (nodes.force[4 * i] != 0 || nodes.force[4 * i + 1] != 0 || nodes.force[4 * i + 2] != 0) of_part[14] = 1.0;
-    for (std::size_t b = 0; b < model_.input->boundaries.size(); ++b) {
-      const Boundary& law = *model_.input->boundaries[b];
-      if ((always_[index(i)] >> b & 1u) == 0 || law.mirrors(nodes.x(i))) continue;
-      of_part[12] = 1.0;
-      constexpr int looks = 16;
-      for (int k = 0; k <= looks && of_part[13] < 1.0; ++k) {
-        const BoundaryNode node{nodes.id[i], nodes.mass[i], nodes.x(i), {}};
-        const Vec3 moved = law.constrain(node, {end_ * k / looks, 1e-12 * end_}, {});
-        if (norm(moved) > 0.0) of_part[13] = 1.0;
+  std::vector<NodeGroup> targets;  // of loads
+  for (const auto& load : model_.input->loads) targets.emplace_back(model_, load->targets());
+  std::vector<double> limits(n_limits * n, -never);
+  for (int i = 0; i < nodes.n(); ++i)
+    for (const std::int32_t p : model_.parts_of(i)) {
+      double* of_part = &limits[n_limits * index(p)];
+      for (int d = 0; d < 3; ++d) {
+        of_part[d] = std::max(of_part[d], -nodes.x(i)[d]);
+        of_part[3 + d] = std::max(of_part[3 + d], nodes.x(i)[d]);
+        of_part[6 + d] = std::max(of_part[6 + d], -nodes.v(i)[d]);
+        of_part[9 + d] = std::max(of_part[9 + d], nodes.v(i)[d]);
       }
+      if (nodes.force[4 * i] != 0 || nodes.force[4 * i + 1] != 0 || nodes.force[4 * i + 2] != 0) of_part[loaded] = 1.0;
+      for (const NodeGroup& group : targets)
+        if (group.holds(nodes, i)) of_part[loaded] = 1.0;
+      look_at_conditions(i, of_part);
     }
-  }
   greatest_of_all(model_.comm, limits);
   for (std::size_t p = 0; p < n; ++p) {
-    const double* l = &limits[size * p];
+    const double* l = &limits[n_limits * p];
     PartStart s;
     s.low = {-l[0], -l[1], -l[2]};
     s.high = {l[3], l[4], l[5]};
     const Vec3 slowest{-l[6], -l[7], -l[8]}, fastest{l[9], l[10], l[11]};
     s.velocity = (slowest + fastest) * 0.5;
     s.spread = norm(fastest - slowest);
-    s.is_held = l[12] > 0.0;
-    s.is_driven = l[13] > 0.0;
-    s.is_loaded = l[14] > 0.0;
+    s.is_held = l[held] > 0.0;
+    s.is_driven = l[driven] > 0.0;
+    s.is_loaded = l[loaded] > 0.0;
     parts_.push_back(s);
   }
+  share_starts();
+}
+
+/// What holds, drives, loads or turns one part of a body does so to all.
+void Encounters::share_starts() {
+  for (std::size_t p = 0; p < parts_.size(); ++p)
+    for (std::size_t q = 0; q < parts_.size(); ++q) {
+      if (p == q || model_.parts[p].body != model_.parts[q].body) continue;
+      PartStart& s = parts_[p];
+      const PartStart& other = parts_[q];
+      s.is_held = s.is_held || other.is_held;
+      s.is_driven = s.is_driven || other.is_driven;
+      s.is_loaded = s.is_loaded || other.is_loaded;
+      s.spread = std::max(s.spread, other.spread);
+    }
 }
 
 /// By the corner of each part that is nearest to the region, at both ends of the run: walls move at constant velocity.
@@ -186,9 +222,11 @@ void Encounters::find_regions() {
     for (int i = 0; i < model_.nodes.n(); ++i) {
       const Vec3 x = model_.nodes.x(i);
       if (!group.holds(model_.nodes, i) || law->ask(x) != Boundary::Ask::near_region || law->mirrors(x)) continue;
-      double* of_part = &gap[2 * index(model_.nodes.part[i])];
-      of_part[0] = std::max(of_part[0], at_start.offset - dot(at_start.normal, x));
-      of_part[1] = std::max(of_part[1], at_end.offset - dot(at_end.normal, x + model_.nodes.v(i) * end_));
+      for (const std::int32_t p : model_.parts_of(i)) {
+        double* of_part = &gap[2 * index(p)];
+        of_part[0] = std::max(of_part[0], at_start.offset - dot(at_start.normal, x));
+        of_part[1] = std::max(of_part[1], at_end.offset - dot(at_end.normal, x + model_.nodes.v(i) * end_));
+      }
     }
     greatest_of_all(model_.comm, gap);
     for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -247,7 +285,12 @@ void Encounters::find_touched(const ContactCover& cover) {
     changed = false;
     for (int p = 0; p < n; ++p)
       for (int q = 0; q < n; ++q) {
-        if (p == q || touched_[index(q)] || cover.between(p, q) < 0) continue;
+        if (p == q || touched_[index(q)]) continue;
+        if (model_.parts[index(p)].body == model_.parts[index(q)].body) {
+          if (touched_[index(p)]) touched_[index(q)] = scatters[index(q)] = changed = true;
+          continue;
+        }
+        if (cover.between(p, q) < 0) continue;
         const PartStart &a = parts_[index(p)], &b = parts_[index(q)];
         const bool meets = !(a.rests() && b.rests()) && boxes_may_meet(p, q);
         if (!meets && !(scatters[index(p)] && within_reach(a, b))) continue;

@@ -10,14 +10,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "contact/box_tree.hpp"
 #include "core/fixed_sum.hpp"
+#include "mesh/quality.hpp"
 #include "mesh/shared_volume.hpp"
-#include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -54,23 +53,23 @@ struct Extent {
   }
 };
 
-Extent extent_of(const HexCorners& x) {
+Extent extent_of(const Cell& cell) {
   Extent e;
-  for (const Vec3& corner : x) e.include(corner);
+  for (int k = 0; k < cell.shape->n_nodes; ++k) e.include(cell.x[static_cast<std::size_t>(k)]);
   return e;
 }
 
-HexCorners corners_of(const Model& model, const PartStore& store, int slot) {
-  HexCorners x;
-  for (int k = 0; k < 8; ++k) x[static_cast<std::size_t>(k)] = model.nodes.x(store.node(slot, k));
-  return x;
+Cell cell_of(const Model& model, const PartStore& store, int slot) {
+  Cell cell{&store.shape(), {}};
+  for (int k = 0; k < store.n_nodes(); ++k) cell.x[static_cast<std::size_t>(k)] = model.nodes.x(store.node(slot, k));
+  return cell;
 }
 
 /// Boxes round the parts, of all ranks. Collective.
 std::vector<Extent> extents_of_parts(const Model& model) {
   std::vector<Extent> extents(model.parts.size());
   for (int i = 0; i < model.nodes.n(); ++i)
-    extents[static_cast<std::size_t>(model.nodes.part[i])].include(model.nodes.x(i));
+    for (const std::int32_t p : model.parts_of(i)) extents[static_cast<std::size_t>(p)].include(model.nodes.x(i));
   std::vector<double> limits;
   for (const Extent& e : extents)
     for (int d = 0; d < 3; ++d) limits.insert(limits.end(), {-e.low[d], e.high[d]});
@@ -102,7 +101,7 @@ struct MeetingPlaces {
   }
 };
 
-/// The grid of cubes, with a bit for each part that has a cell in a cube.
+/// The grid of cubes, with the first and the last of the parts that have a cell in a cube.
 class Cubes {
  public:
   Cubes(const Extent& region, std::int64_t n_elements) : low_(region.low) {
@@ -114,7 +113,8 @@ class Cubes {
       edge_ *= 1.25;
       for (int d = 0; d < 3; ++d) n_[static_cast<std::size_t>(d)] = static_cast<std::int64_t>(length[d] / edge_) + 1;
     } while (n_[0] * n_[1] * n_[2] > most);
-    parts_.assign(static_cast<std::size_t>(n_[0] * n_[1] * n_[2]), 0);
+    first_.assign(static_cast<std::size_t>(n_[0] * n_[1] * n_[2]), nobody);
+    last_ = first_;
   }
   /// Calls `visit(cube)` for all that a box reaches; what lies outside of the grid counts for the cubes at its edge.
   template <class Visit>
@@ -124,12 +124,16 @@ class Cubes {
       for (std::int64_t j = first[1]; j <= last[1]; ++j)
         for (std::int64_t i = first[0]; i <= last[0]; ++i) visit(static_cast<std::size_t>(i + n_[0] * (j + n_[1] * k)));
   }
-  void mark(std::size_t cube, std::size_t part) { parts_[cube] |= std::uint64_t{1} << part; }
+  void mark(std::size_t cube, std::size_t part) {
+    first_[cube] = std::max(first_[cube], -static_cast<std::int32_t>(part));
+    last_[cube] = std::max(last_[cube], static_cast<std::int32_t>(part));
+  }
   /// Collective.
   void join_ranks(MPI_Comm comm) {
-    MPI_Allreduce(MPI_IN_PLACE, parts_.data(), static_cast<int>(parts_.size()), MPI_UINT64_T, MPI_BOR, comm);
+    for (std::vector<std::int32_t>* parts : {&first_, &last_})
+      MPI_Allreduce(MPI_IN_PLACE, parts->data(), static_cast<int>(parts->size()), MPI_INT32_T, MPI_MAX, comm);
   }
-  bool has_several_parts(std::size_t cube) const { return std::popcount(parts_[cube]) > 1; }
+  bool has_several_parts(std::size_t cube) const { return last_[cube] != nobody && last_[cube] != -first_[cube]; }
   /// Blocks of cubes are dealt out in turn, so that no rank gets a whole surface.
   int rank_of(std::size_t cube, int n_ranks) const {
     const auto at = static_cast<std::int64_t>(cube);
@@ -155,16 +159,29 @@ class Cubes {
   Vec3 low_;
   double edge_ = 1.0;  // [m]
   std::array<std::int64_t, 3> n_{1, 1, 1};
-  std::vector<std::uint64_t> parts_;
+  static constexpr std::int32_t nobody = std::numeric_limits<std::int32_t>::min();
+  std::vector<std::int32_t> first_, last_;  // per cube; the former with a minus
 };
 
 /// A cell near another part, as it is sent to the ranks that look at it.
 struct Suspect {
   std::int64_t id = 0, part = 0;
-  HexCorners corners;
+  CellCorners corners;
+  std::array<std::int64_t, Shape::most_nodes> nodes{};  // ids, in ascending order; negative where no parts are joined
+
+  Cell cell(const Model& model) const { return {&model.parts[static_cast<std::size_t>(part)].store->shape(), corners}; }
 };
 
-/// Calls `take(part, corners, id, box)` for all cells of this rank that reach into a meeting place.
+/// Whether two cells have a node in common.
+bool are_joined(const Suspect& a, const Suspect& b) {
+  for (std::size_t i = 0, j = 0; i < a.nodes.size() && j < b.nodes.size();) {
+    if (a.nodes[i] == b.nodes[j] && a.nodes[i] >= 0) return true;
+    ++(a.nodes[i] <= b.nodes[j] ? i : j);
+  }
+  return false;
+}
+
+/// Calls `take(part, corners, slot, box)` for all cells of this rank that reach into a meeting place.
 template <class Take>
 void each_near(const Model& model, const MeetingPlaces& places, const Take& take) {
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
@@ -172,28 +189,34 @@ void each_near(const Model& model, const MeetingPlaces& places, const Take& take
     const PartStore& store = *model.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
-      const HexCorners x = corners_of(model, store, s);
-      const Extent e = extent_of(x);
-      if (places.meets(p, e)) take(p, x, store.id(s), e);
+      const Cell cell = cell_of(model, store, s);
+      const Extent e = extent_of(cell);
+      if (places.meets(p, e)) take(p, cell.x, s, e);
     }
   }
 }
 
 /// The cells that this rank has to look at. Collective.
 std::vector<Suspect> collect_suspects(const Model& model, const MeetingPlaces& places, Cubes& cubes) {
-  each_near(model, places, [&](std::size_t part, const HexCorners&, std::int64_t, const Extent& e) {
+  each_near(model, places, [&](std::size_t part, const CellCorners&, int, const Extent& e) {
     cubes.each(e, [&](std::size_t cube) { cubes.mark(cube, part); });
   });
   cubes.join_ranks(model.comm);
   std::vector<std::vector<Suspect>> outgoing(static_cast<std::size_t>(model.n_ranks()));
   std::vector<std::int64_t> last_sent(outgoing.size(), -1);  // a cell goes to each rank once
-  each_near(model, places, [&](std::size_t part, const HexCorners& x, std::int64_t id, const Extent& e) {
+  each_near(model, places, [&](std::size_t part, const CellCorners& x, int slot, const Extent& e) {
+    const PartStore& store = *model.parts[part].store;
+    Suspect suspect{store.id(slot), static_cast<std::int64_t>(part), x, {}};
+    suspect.nodes.fill(-1);
+    for (int k = 0; model.has_joined_parts() && k < store.n_nodes(); ++k)
+      suspect.nodes[static_cast<std::size_t>(k)] = model.nodes.id[store.node(slot, k)];
+    std::sort(suspect.nodes.begin(), suspect.nodes.end());
     cubes.each(e, [&](std::size_t cube) {
       if (!cubes.has_several_parts(cube)) return;
       const auto rank = static_cast<std::size_t>(cubes.rank_of(cube, model.n_ranks()));
-      if (last_sent[rank] == id) return;
-      last_sent[rank] = id;
-      outgoing[rank].push_back({id, static_cast<std::int64_t>(part), x});
+      if (last_sent[rank] == suspect.id) return;
+      last_sent[rank] = suspect.id;
+      outgoing[rank].push_back(suspect);
     });
   });
   std::vector<Suspect> all;
@@ -209,10 +232,10 @@ struct Outline {
   Extent box;
   double tolerance = 0.0;  // a millionth of the cell, and more than the round-off of its positions [m]
 
-  explicit Outline(const HexCorners& x) : box(extent_of(x)) {
+  explicit Outline(const Cell& cell) : box(extent_of(cell)) {
     double farthest = 0.0;
     for (int d = 0; d < 3; ++d) farthest = std::max({farthest, std::fabs(box.low[d]), std::fabs(box.high[d])});
-    tolerance = 1e-6 * longest_edge(x) + 64.0 * std::numeric_limits<double>::epsilon() * farthest;
+    tolerance = 1e-6 * longest_edge(*cell.shape, cell.x) + 64.0 * std::numeric_limits<double>::epsilon() * farthest;
   }
 };
 
@@ -231,11 +254,11 @@ struct Found {
 };
 
 /// Of two cells, the one that is warped more is cut by the other one: planes fit that one better.
-SharedVolume shared_by(const Suspect& a, const FacePlanes& planes_of_a, const Suspect& b, double tolerance) {
-  const FacePlanes planes_of_b(b.corners);
+SharedVolume shared_by(const Cell& a, const FacePlanes& planes_of_a, const Cell& b, double tolerance) {
+  const FacePlanes planes_of_b(b);
   if (planes_of_b.greatest_warp > planes_of_a.greatest_warp)
-    return shared_volume(b.corners, planes_of_b, a.corners, planes_of_a, tolerance);
-  return shared_volume(a.corners, planes_of_a, b.corners, planes_of_b, tolerance);
+    return shared_volume(b, planes_of_b, a, planes_of_a, tolerance);
+  return shared_volume(a, planes_of_a, b, planes_of_b, tolerance);
 }
 
 /// All pairs of cells that are this rank's to look at; entry p * n + q for parts p < q of n.
@@ -247,7 +270,7 @@ std::vector<Found> compare(const Model& model, const Cubes& cubes, const std::ve
   for (std::size_t p = 0; p < n; ++p) first[p + 1] += first[p];
   std::vector<Outline> outlines;
   outlines.reserve(suspects.size());
-  for (const Suspect& s : suspects) outlines.emplace_back(s.corners);
+  for (const Suspect& s : suspects) outlines.emplace_back(s.cell(model));
   const auto box_of = [&](const Outline& o) {
     return Box::spanned(o.box.low - cubes.origin(), o.box.high - cubes.origin(), 0.0);
   };
@@ -256,15 +279,16 @@ std::vector<Found> compare(const Model& model, const Cubes& cubes, const std::ve
     for (std::size_t i = first[q]; i < first[q + 1]; ++i) tree.add(box_of(outlines[i]));
     tree.finish();
     for (std::size_t i = 0; i < first[q]; ++i) {  // cells of the parts before q
-      const Suspect& a = suspects[i];
-      const FacePlanes planes(a.corners);
-      Found& pair = found[static_cast<std::size_t>(a.part) * n + q];
+      const Cell a = suspects[i].cell(model);
+      const FacePlanes planes(a);
+      Found& pair = found[static_cast<std::size_t>(suspects[i].part) * n + q];
       tree.each(box_of(outlines[i]), [&](std::size_t place) {
         const std::size_t j = first[q] + place;
         const double tolerance = std::min(outlines[i].tolerance, outlines[j].tolerance);
         const Extent common = common_box(outlines[i].box, outlines[j].box, tolerance);
         if (common.is_empty() || cubes.rank_of(common.low, model.n_ranks()) != model.rank()) return;
-        const SharedVolume s = shared_by(a, planes, suspects[j], tolerance);
+        if (are_joined(suspects[i], suspects[j])) return;
+        const SharedVolume s = shared_by(a, planes, suspects[j].cell(model), tolerance);
         if (!(s.volume > 0.0)) return;
         pair.volumes.push_back(s.volume);
         pair.where.include(Extent{s.low, s.high});
@@ -314,23 +338,14 @@ std::vector<Overlap> find_overlaps(const Model& model) {
 ContactCover::ContactCover(const Model& model) {
   for (const auto& law : model.input->contacts) {
     const ContactRequest request = law->request();
-    const NodeGroup slaves(model, request.slaves), masters(model, request.masters);
-    Sides sides;
-    for (int i = 0; i < model.nodes.n(); ++i) {
-      const std::uint64_t bit = std::uint64_t{1} << model.nodes.part[i];
-      if (slaves.holds(model.nodes, i)) sides.slaves |= bit;
-      if (masters.holds(model.nodes, i)) sides.masters |= bit;
-    }
-    MPI_Allreduce(MPI_IN_PLACE, &sides, 2, MPI_UINT64_T, MPI_BOR, model.comm);
-    definitions_.push_back(sides);
+    definitions_.push_back({NodeGroup(model, request.slaves), NodeGroup(model, request.masters)});
   }
 }
 
 int ContactCover::between(int part, int other) const {
-  const std::uint64_t a = std::uint64_t{1} << part, b = std::uint64_t{1} << other;
   for (std::size_t k = 0; k < definitions_.size(); ++k) {
     const Sides& s = definitions_[k];
-    if (((s.slaves & a) != 0 && (s.masters & b) != 0) || ((s.slaves & b) != 0 && (s.masters & a) != 0))
+    if ((s.slaves.reaches(part) && s.masters.reaches(other)) || (s.slaves.reaches(other) && s.masters.reaches(part)))
       return static_cast<int>(k);
   }
   return -1;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/model.hpp"
+#include "model/node_group.hpp"
 
 namespace kerf {
 
@@ -21,20 +22,20 @@ struct Overlap {
 };
 
 /// All parts that overlap by more than a millionth of a cell, in the order of the input; the same on any number of
-/// ranks. Of cells whose faces are warped, overlaps that are less deep than the warp may be missed. Collective.
+/// ranks. Cells that share nodes, because parts are joined, do not count. Of cells whose faces are warped, overlaps
+/// that are less deep than the warp may be missed. Collective.
 std::vector<Overlap> find_overlaps(const Model& model);
 
 /// Which contact definition brings two parts together, from the parts that the definitions and their sets name.
 class ContactCover {
  public:
-  /// Collective.
   explicit ContactCover(const Model& model);
   /// The first definition between nodes of one part and facets of the other, as its place in the input; -1 for none.
   int between(int part, int other) const;
 
  private:
   struct Sides {
-    std::uint64_t slaves = 0, masters = 0;  // a bit per part
+    NodeGroup slaves, masters;
   };
   std::vector<Sides> definitions_;
 };

@@ -23,6 +23,11 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 const PartInput& input_of(const Model& model, int part) { return *model.parts[index(part)].input; }
 
+/// Whether the input makes one body of two parts.
+bool are_joined(const Model& model, int part, int other) {
+  return model.parts[index(part)].body == model.parts[index(other)].body;
+}
+
 std::string warning(const std::string& origin, const std::string& text) { return origin + ": warning: " + text; }
 
 void sum_of_all(MPI_Comm comm, std::vector<std::int64_t>& counts) {
@@ -36,7 +41,7 @@ void warn_of_missing_contact(const Model& model, const Encounters& encounters, c
   for (int p = 0; p < static_cast<int>(model.parts.size()); ++p)
     for (int q = p + 1; q < static_cast<int>(model.parts.size()); ++q) {
       const bool known = encounters.parts()[index(p)].spread == 0.0 && encounters.parts()[index(q)].spread == 0.0;
-      if (!known || cover.between(p, q) >= 0) continue;
+      if (!known || cover.between(p, q) >= 0 || are_joined(model, p, q)) continue;
       const double time = encounters.time_to_meet(p, q);
       if (time > end) continue;
       lines.push_back(warning(
@@ -64,7 +69,7 @@ void warn_of_late_contact(const Model& model, const Encounters& encounters, cons
     if (!s.flies() && !(s.rests() && !s.is_loaded)) return;
     note(encounters.time_to_region(p), fmt::format("of part {} with a wall", input_of(model, p).name));
     for (int q = p + 1; q < n; ++q)
-      if (cover.between(p, q) >= 0 && first > end)
+      if (cover.between(p, q) >= 0 && !are_joined(model, p, q) && first > end)
         note(encounters.time_to_meet(p, q),
              fmt::format("of parts {} and {}", input_of(model, p).name, input_of(model, q).name));
   }
@@ -184,7 +189,8 @@ void warn_of_single_layers(Model& model, const Encounters& encounters, Lines& li
 void warn_of_single_cells(const Model& model, const Encounters& encounters, Lines& lines) {
   std::vector<std::int64_t> n_bound(model.parts.size(), 0);
   for (int i = 0; i < model.nodes.n(); ++i)
-    if (encounters.always()[index(i)] != 0) ++n_bound[index(model.nodes.part[i])];
+    for (const std::int32_t p : model.parts_of(i))
+      if (encounters.is_bound(i) || model.parts_of(i).size() > 1) ++n_bound[index(p)];
   sum_of_all(model.comm, n_bound);
   for (int p = 0; p < static_cast<int>(model.parts.size()); ++p)
     if (model.parts[index(p)].n_elements == 1 && n_bound[index(p)] == 0)
@@ -241,9 +247,27 @@ void warn_of_distance(const Model& model, const Encounters& encounters, Lines& l
                   input_of(model, part).name, farthest, strain, model.scale.shortest_edge)));
 }
 
+/// Loads without a node or a facet, and loads that are zero at all times.
+void warn_of_idle_loads(const Model& model, const std::vector<std::int64_t>& targets, Lines& lines) {
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const Load& load = *model.input->loads[k];
+    if (targets[k] == 0)
+      lines.push_back(warning(
+          load.origin,
+          fmt::format(
+              "the load {} acts on nothing: no exterior facet has all its corners in what it names; name a part "
+              "or a set that holds whole facets of the surface",
+              load.type)));
+    else if (load.greatest() == 0.0)
+      lines.push_back(warning(load.origin, fmt::format("the load {} is zero at all times; check its value and its "
+                                                       "curve, or leave it out",
+                                                       load.type)));
+  }
+}
+
 }  // namespace
 
-Lines model_warnings(Model& model, const ContactCover& cover) {
+Lines model_warnings(Model& model, const ContactCover& cover, const std::vector<std::int64_t>& load_targets) {
   Lines lines;
   const Encounters encounters(model, cover);
   warn_of_missing_contact(model, encounters, cover, lines);
@@ -254,6 +278,7 @@ Lines model_warnings(Model& model, const ContactCover& cover) {
   warn_of_single_cells(model, encounters, lines);
   warn_of_swallowing_planes(model, lines);
   warn_of_distance(model, encounters, lines);
+  warn_of_idle_loads(model, load_targets, lines);
   return lines;
 }
 

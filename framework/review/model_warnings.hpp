@@ -1,6 +1,7 @@
 // What a user should look at before a run: models that can be computed but hardly mean what they say.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,9 @@
 
 namespace kerf {
 
-/// Lines "origin: warning: what; what to do" about the model at time zero, the same on all ranks.
-/// Pre: the forces of time zero are on the nodes. Collective.
-std::vector<std::string> model_warnings(Model& model, const ContactCover& cover);
+/// Lines "origin: warning: what; what to do" about the model at time zero, the same on all ranks. `load_targets` tells
+/// on how many nodes or facets each load of the input acts. Pre: the forces of time zero are on the nodes. Collective.
+std::vector<std::string> model_warnings(Model& model, const ContactCover& cover,
+                                        const std::vector<std::int64_t>& load_targets);
 
 }  // namespace kerf

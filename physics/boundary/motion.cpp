@@ -1,5 +1,6 @@
 // Nodal motion that is given: held, or moved along a history.
 #include <kerf/boundary.hpp>
+#include <kerf/curve.hpp>
 
 #include <algorithm>
 
@@ -33,11 +34,13 @@ struct Fixed final : NamedNodesBoundary {
   }
 };
 
-/// Gives components of the velocity: a constant, or a constant times a piecewise linear function of time.
+/// Gives components of the velocity: a constant, or a constant times a piecewise linear function of time, which is
+/// written here as a table or named.
 struct PrescribedMotion final : NamedNodesBoundary {
   Components components;
   Vec3 velocity;  // [m/s]
   std::vector<double> times, factors;  // [s], [-]; both empty: 1
+  const Curve* curve = nullptr;  // in place of these
 
   static void describe(Schema<PrescribedMotion>& s) {
     describe_nodes(s);
@@ -47,6 +50,10 @@ struct PrescribedMotion final : NamedNodesBoundary {
     s.reals(&PrescribedMotion::factors, "factors", "-", any_value,
             "factors of the velocity at the times, linear between them and constant outside")
         .optional();
+    s.curve(&PrescribedMotion::curve, "curve", "factor of the velocity by time, in place of times and factors")
+        .optional();
+    s.rule("curve", "a curve stands in place of times and factors; give one or the other",
+           [](const PrescribedMotion& m) { return m.curve == nullptr || (m.times.empty() && m.factors.empty()); });
     s.rule("components", "components must be any of x, y and z",
            [](const PrescribedMotion& m) { return !m.components.empty() && are_components(m.components); });
     s.rule("factors", "times and factors must be of equal number",
@@ -66,7 +73,7 @@ struct PrescribedMotion final : NamedNodesBoundary {
     return v;
   }
   double factor_at(double time) const {
-    if (times.empty()) return 1.0;
+    if (times.empty()) return value_of(curve, time);
     const auto next = std::upper_bound(times.begin(), times.end(), time) - times.begin();
     if (next == 0) return factors.front();
     if (next == static_cast<std::ptrdiff_t>(times.size())) return factors.back();

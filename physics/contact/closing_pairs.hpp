@@ -80,7 +80,7 @@ inline bool is_finer(const ContactView& view, int i, int facet, double facet_are
   const double other = facet_area * static_cast<double>(view.around_slave(i).size());
   if (area * nearly_equal < other) return true;
   if (area > other * nearly_equal) return false;
-  return view.around_slave(i).empty() || view.node_part[view.slave[i]] < view.facet_part[facet];
+  return view.around_slave(i).empty() || view.node_body[view.slave[i]] < view.facet_body[facet];
 }
 
 /// Adds a touch. Where what touches comes to lie deeper than is held, lets it go in place of that.

@@ -272,7 +272,7 @@ class EdgeTouches {
     const SharpEdge &a = own_first ? own : other, &b = own_first ? other : own;
     Crossing c;
     if (!cross_inside(a, b, c)) return;
-    if (view_.facet_part[own.facet[0]] == view_.facet_part[other.facet[0]] &&
+    if (view_.facet_body[own.facet[0]] == view_.facet_body[other.facet[0]] &&
         !(dot(own.mean_normal(), other.mean_normal()) < opposing_))
       return;
     if (reporter(a, b, c) != slave_ || is_shared(other, own_first ? c.q : c.p)) return;

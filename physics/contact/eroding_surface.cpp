@@ -171,9 +171,9 @@ struct ErodingSurface final : Contact {
     const std::int32_t *from = row.data(), *end = from + row.size();
     while (from != end) {
       const std::int32_t* to = from;
-      while (to != end && view.facet_part[*to] == view.facet_part[*from]) ++to;
+      while (to != end && view.facet_body[*to] == view.facet_body[*from]) ++to;
       // A free node has no facets of its own: to it, the surface of its part is closed like another body's.
-      const bool same_part = view.facet_part[*from] == view.node_part[view.slave[i]] && !view.around_slave(i).empty();
+      const bool same_part = view.facet_body[*from] == view.node_body[view.slave[i]] && !view.around_slave(i).empty();
       // Most slaves are near no facet of a body that could push them, and cost no more than this.
       const bool any = FacetSlabs::until({from, to}, [&](const std::int32_t* some, unsigned in_use) {
         const FacetSlabs::Seen seen(slabs, some, s);

@@ -7,6 +7,7 @@
 // R.D. Richtmyer, J. Appl. Phys. 21 (1950) 232 and R. Landshoff, LA-1930 (1955) for the bulk viscosity;
 // D.P. Flanagan & T. Belytschko, J. Appl. Mech. 51 (1984) 35-40 for the eigenvalue bound of the time step.
 #include "hex8/control.hpp"
+#include "hex8/volume.hpp"
 
 namespace {
 
@@ -14,6 +15,9 @@ using namespace kerf;
 
 struct Hex8 final : SolidElement {
   const Shape& shape() const override { return hexahedron; }
+  /// The volume of the mean gradient.
+  double volume(const CellCorners& x) const override { return hex8::volume_of(x); }
+
   using State = hex8::State;
   std::string hourglass;
   double hourglass_coefficient = 0.0;

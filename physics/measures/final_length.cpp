@@ -19,7 +19,8 @@ class FinalLength final : public Measure {
     const int number = measured_part(model, part, *this);
     std::vector<std::int32_t> nodes;
     for (std::size_t n = 0; n < model.nodes.size(); ++n)
-      if (model.nodes[n].part == number && !model.nodes[n].free) nodes.push_back(static_cast<std::int32_t>(n));
+      if (model.belongs_to(model.nodes[n], number) && !model.nodes[n].free)
+        nodes.push_back(static_cast<std::int32_t>(n));
     return {value_of_remnant(extent_along(model, nodes, unit(axis)), part)};
   }
 

@@ -109,7 +109,7 @@ class HoleDiameter final : public Measure {
   static std::pair<double, double> face_planes(const MeasureModel& model, int number, Vec3 n) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const MeasureModel::Node& node : model.nodes) {
-      if (node.part != number) continue;
+      if (!model.belongs_to(node, number)) continue;
       low = min_of(low, dot(node.reference, n));
       high = max_of(high, dot(node.reference, n));
     }
@@ -149,7 +149,7 @@ class HoleDiameter final : public Measure {
   static bool covers_part(const BodySurface& face, const MeasureModel& model, int number, Vec3 outward) {
     std::vector<Vec3> all;
     for (const MeasureModel::Node& node : model.nodes)
-      if (node.part == number) all.push_back(node.reference);
+      if (model.belongs_to(node, number)) all.push_back(node.reference);
     return hull_area(face.reference, outward) > 0.9 * hull_area(all, outward);
   }
 

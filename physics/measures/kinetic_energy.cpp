@@ -16,7 +16,7 @@ class KineticEnergy final : public Measure {
     if (!any_node_left(model, number)) return {unknown("", no_node_left(part))};
     double energy = 0.0;
     for (const MeasureModel::Node& n : model.nodes)
-      if (n.part == number) energy += 0.5 * n.mass * dot(n.velocity, n.velocity);
+      energy += 0.5 * model.mass_in(n, number) * dot(n.velocity, n.velocity);
     return {{"", energy}};
   }
 

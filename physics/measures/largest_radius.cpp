@@ -31,7 +31,7 @@ class LargestRadius final : public Measure {
     const Vec3 directions[3] = {a, across, cross(a, across)};
     Range undeformed[3], now[3];
     for (const MeasureModel::Node& n : model.nodes) {
-      if (n.part != number) continue;
+      if (!model.belongs_to(n, number)) continue;
       for (int d = 0; d < 3; ++d) {
         undeformed[d].add(dot(n.reference - point, directions[d]));
         if (!n.free) now[d].add(dot(n.position - point, directions[d]));

@@ -18,8 +18,7 @@ class PartMomentum final : public Measure {
       return {unknown("x", reason), unknown("y", reason), unknown("z", reason)};
     }
     Vec3 momentum;
-    for (const MeasureModel::Node& n : model.nodes)
-      if (n.part == number) momentum = momentum + n.mass * n.velocity;
+    for (const MeasureModel::Node& n : model.nodes) momentum = momentum + model.mass_in(n, number) * n.velocity;
     return {{"x", momentum.x}, {"y", momentum.y}, {"z", momentum.z}};
   }
 

@@ -20,9 +20,10 @@ class ResidualVelocity final : public Measure {
     for (const std::int32_t i : largest_body(model, measured_part(model, part, *this), Link::node)) {
       const MeasureModel::Element& e = model.elements[static_cast<std::size_t>(i)];
       mass += e.mass;
-      const double share = 1.0 / e.shape->n_nodes;
-      for (const std::int32_t n : MeasureModel::nodes_of(e))
-        momentum = momentum + share * e.mass * model.nodes[static_cast<std::size_t>(n)].velocity;
+      const auto nodes = MeasureModel::nodes_of(e);
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        momentum =
+            momentum + e.shape->mass_share[k] * e.mass * model.nodes[static_cast<std::size_t>(nodes[k])].velocity;
     }
     if (!(mass > 0.0)) {
       const std::string reason = nothing_left(part);

@@ -92,7 +92,7 @@ class Gauge final : public Observer {
   }
 
   Vec3 place_of(const ObservedModel& model, std::int32_t node, bool undeformed) const {
-    return undeformed ? model.reference(model.nodes.id[node]) : model.nodes.x(node);
+    return undeformed ? model.reference(node) : model.nodes.x(node);
   }
 
   /// 0 where the element contains the point. Otherwise the distance of its centre from the point over that of its
@@ -136,7 +136,7 @@ class Gauge final : public Observer {
     std::int64_t id = -1;
     const ObservedNodes& nodes = model.nodes;
     for (int i = 0; i < nodes.n; ++i) {
-      if (nodes.part[i] != part_ || nodes.owned[i] == 0 || nodes.free[i] != 0) continue;
+      if (!model.belongs_to(i, part_) || nodes.owned[i] == 0 || nodes.free[i] != 0) continue;
       const double distance = norm(place_of(model, i, undeformed) - point);
       if (distance < best || (distance == best && nodes.id[i] < id)) {
         best = distance;

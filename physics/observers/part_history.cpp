@@ -60,14 +60,18 @@ class PartHistory final : public Observer {
 
     const ObservedNodes& nodes = model.nodes;
     const std::span<const double> kinetic_of_all = model.kinetic_energy();
+    // Of a node that parts share, each has the share that its undeformed elements gave to the node's mass.
+    const std::vector<double> mass_of_nodes = model.mass_in(part);
     std::vector<double> kinetic, momentum[3], body_mass, body_momentum[3];
     for (int i = 0; i < nodes.n; ++i) {
-      if (nodes.owned[i] == 0 || nodes.part[i] != part) continue;
-      const Vec3 p = nodes.v(i) * nodes.mass[i];
-      kinetic.push_back(kinetic_of_all[static_cast<std::size_t>(i)]);
+      const auto place = static_cast<std::size_t>(i);
+      const double mass_here = mass_of_nodes[place];
+      if (!(mass_here > 0.0)) continue;
+      const Vec3 p = nodes.v(i) * mass_here;
+      kinetic.push_back(kinetic_of_all[place] * (mass_here / nodes.mass[i]));
       for (int d = 0; d < 3; ++d) momentum[d].push_back(p[d]);
       if (nodes.free[i] != 0) continue;
-      body_mass.push_back(nodes.mass[i]);
+      body_mass.push_back(mass_here);
       for (int d = 0; d < 3; ++d) body_momentum[d].push_back(p[d]);
     }
     const std::vector<double> s = model.sums({mass, internal, ones, kinetic, momentum[0], momentum[1], momentum[2],

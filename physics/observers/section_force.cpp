@@ -25,6 +25,7 @@ class SectionForce final : public Observer {
 
   void prepare(ObservedModel& model) override {
     part_ = model.find_part(part);
+    refuse_joined_part(model);
     look_behind(model);
     double sides[2] = {0.0, 0.0};  // nodes ahead and behind
     for (int i = 0; i < model.nodes.n; ++i)
@@ -46,12 +47,14 @@ class SectionForce final : public Observer {
 
   void sample(ObservedModel& model, std::span<double> row) override {
     look_behind(model);
-    const std::span<const Vec3> contact = model.contact_force();
+    const std::span<const Vec3> contact = model.contact_force(), loads = model.load_force();
     std::vector<double> force[3], moment[3];
     for (int i = 0; i < model.nodes.n; ++i) {
       if (model.nodes.owned[i] == 0 || behind_[static_cast<std::size_t>(i)] == 0 || model.nodes.part[i] != part_)
         continue;
-      const Vec3 f = model.nodes.force(i) - contact[static_cast<std::size_t>(i)];
+      // What is left is the force of elements.
+      const auto place = static_cast<std::size_t>(i);
+      const Vec3 f = model.nodes.force(i) - contact[place] - loads[place];
       const Vec3 m = cross(model.nodes.x(i) - point, f);
       for (int d = 0; d < 3; ++d) {
         force[d].push_back(f[d]);
@@ -67,13 +70,22 @@ class SectionForce final : public Observer {
   }
 
  private:
+  /// The force of a node that parts share holds that of the elements of all of them.
+  void refuse_joined_part(const ObservedModel& model) const {
+    const ObservedPart& own = model.parts[static_cast<std::size_t>(part_)];
+    for (const ObservedPart& other : model.parts)
+      if (&other != &own && other.body == own.body)
+        throw std::runtime_error("part " + part + " is joined with part " + other.name +
+                                 ", and the force on nodes that they share cannot be told apart; expected a part that "
+                                 "is joined with no other");
+  }
   /// Marks the nodes of this rank that lay behind the plane in the undeformed model, unless that is known.
   void look_behind(const ObservedModel& model) {
     if (seen_ == model.arrangement()) return;
     seen_ = model.arrangement();
     behind_.assign(static_cast<std::size_t>(model.nodes.n), 0);
     for (int i = 0; i < model.nodes.n; ++i)
-      if (model.nodes.part[i] == part_ && dot(normal, model.reference(model.nodes.id[i]) - point) < 0.0)
+      if (model.nodes.part[i] == part_ && dot(normal, model.reference(i) - point) < 0.0)
         behind_[static_cast<std::size_t>(i)] = 1;
   }
 

@@ -25,7 +25,7 @@ PLAUSIBLE = {
     "axis": [0, 0, 1],
     "radius": 1e-3, "length": 2e-3, "cell_size": 5e-4, "size": [2e-3, 2e-3, 2e-3], "cells": [2, 2, 2],
     "core_cells": 2, "ring_cells": 1, "axial_cells": 4, "slave": "striker", "master": "target", "part": "striker",
-    "limit": 0.5, "nodes": "bottom"}
+    "limit": 0.5, "nodes": "bottom", "facets": "striker"}
 
 
 def base_model():
@@ -42,6 +42,7 @@ def base_model():
                                        "origin": [1e-3, 1e-3, 2.1e-3]}}},
         "sets": {"bottom": {"parts": "target", "face": "z_min"}},
         "boundaries": [{"type": "fixed", "nodes": "bottom"}],
+        "loads": [{"type": "gravity", "acceleration": [0, 0, -9.81]}],
         "contacts": [{"type": "eroding_surface"}],
         "measures": {"speed": {"type": "residual_velocity", "part": "striker"}}, "observers": {},
         "balance": {"partitioner": {"type": "zoltan_rcb"}},
@@ -53,7 +54,8 @@ PLACES = {
     "material": ("materials", "copper", "strength"), "eos": ("materials", "copper", "eos"),
     "erosion": ("materials", "copper", "erosion", "criteria", 0), "element": ("parts", "striker", "element"),
     "mesh": ("parts", "striker", "mesh"), "contact": ("contacts", 0), "boundary": ("boundaries", 0),
-    "measure": ("measures", "speed"), "observer": ("observers", "watch"), "partitioner": ("balance", "partitioner")}
+    "load": ("loads", 0), "measure": ("measures", "speed"), "observer": ("observers", "watch"),
+    "partitioner": ("balance", "partitioner")}
 
 
 def put(model, place, value):

@@ -14,6 +14,8 @@ assert len({case["name"] for case in CASES}) == len(CASES), "two cases of bad_in
 
 def refuse(case, command, folder):
     (folder / "case.yaml").write_text(case["text"] if "text" in case else spoiled(case.get("edit", [])))
+    for name, text in case.get("files", {}).items():
+        (folder / name).write_text(text)
     options = [word for text in case.get("set", []) for word in ("--set", text)]
     return kerf(command, "case.yaml", *on_ranks(case.get("ranks", 1)), *options, cwd=folder)
 

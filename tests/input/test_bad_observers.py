@@ -77,3 +77,17 @@ def test_columns_are_due_at_their_own_interval(tmp_path):
     # A row is due at the first step that reaches its time, to within a billionth of the run, for round-off.
     assert all(-2e-15 <= t - 0.5e-6 * i < 0.05e-6 for i, t in enumerate(times[:-1]))
     assert times[-1] == summary_of(tmp_path / "out")["end_time"]
+
+
+def test_a_section_of_a_joined_part_is_refused(tmp_path):
+    text = input_with("{type: section_force, part: upper, point: 100 100 15 mm, normal: 0 0 1}")
+    (tmp_path / "case.yaml").write_text(text)
+    block = "{material: copper, mesh: {type: block, origin: 100 100 Z mm, size: 10 10 10 mm, cells: [2, 2, 2]}}"
+    settings = ["joined=[{parts: [lower, upper]}]"]
+    for name, z in (("lower", "0"), ("upper", "10")):
+        settings.append(f"parts.{name}=" + block.replace("Z", z))
+    words = [word for setting in settings for word in ("--set", setting)]
+    done = kerf("check", tmp_path / "case.yaml", *words)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert ("part upper is joined with part lower, and the force on nodes that they share cannot be told apart; "
+            "expected a part that is joined with no other") in done.stderr

@@ -35,6 +35,15 @@ CASES = {
                              ("origin: 1 1 2.1 mm", "origin: 20000000.001 0.001 0.0021 m")],
                             [("28:5", "part target lies 2e+07 m from the origin, where positions are rounded by up to "
                                       "2.2e-06 of the shortest edge of the mesh, 0.001 m")]),
+    "idle load": ([(CONTACT, CONTACT + "sets:\n  inner: {parts: target, box: 0.5 0.5 0.5 3.5 3.5 1.5 mm}\n"
+                    "loads:\n  - {type: pressure, facets: inner, pressure: 1 MPa}\n"),
+                   ("sets:\n  bottom: {parts: target, face: z_min}\n\n", ""),
+                   ("  - {type: fixed, nodes: bottom}", "  - {type: fixed, nodes: inner}")],
+                  [("42:5", "the load pressure acts on nothing: no exterior facet has all its corners in")]),
+    "load of nothing": ([(CONTACT, CONTACT + "loads:\n  - {type: gravity, acceleration: 0 0 0}\n")],
+                        [("43:5", "the load gravity is zero at all times")]),
+    "idle curve": ([("materials:\n", "curves:\n  ramp: {times: 0 1 us, values: 0 1}\nmaterials:\n")],
+                   [("11:3", "nothing uses the curve `ramp`; name it where it is meant to act")]),
     "overlap without contact": ([(CONTACT, ""), ("origin: 1 1 2.1 mm", "origin: 1 1 1.5 mm")],
                                 [("31:5", "parts target and striker overlap at the start: they share 2e-09 m3")]),
 }

@@ -79,7 +79,7 @@ void BruteContact::list_nodes() {
   for (const NodeRecord& n : global_.nodes) {
     number_[n.id] = static_cast<std::int32_t>(node_id_.size());
     node_id_.push_back(n.id);
-    node_part_.push_back(n.part);
+    node_body_.push_back(n.part);
     mass_.push_back(n.mass);
     for (int d = 0; d < 4; ++d) {
       position_.push_back(d < 3 ? n.position[d] : 0.0);
@@ -101,7 +101,7 @@ void BruteContact::list_facets() {
     const GlobalElement& e = global_.element(f.element);
     const auto number = static_cast<std::int32_t>(facet_id_.size());
     facet_id_.push_back(f.element * 8 + f.face);
-    facet_part_.push_back(e.part);
+    facet_body_.push_back(e.part);
     bulk_modulus_.push_back(parts_[e.part].bulk_modulus);
     volume_.push_back(e.record[0] / parts_[e.part].material->density);  // the record starts with the mass
     edge_.push_back(0.0);
@@ -120,7 +120,7 @@ void BruteContact::list_facets() {
 
 void BruteContact::list_pairs() {
   std::vector<unsigned> facet_roles;
-  for (const std::int32_t part : facet_part_)
+  for (const std::int32_t part : facet_body_)
     facet_roles.push_back(role(part, request_.masters) | (request_.symmetric ? role(part, request_.slaves) << 1 : 0u));
   std::vector<std::int32_t> in_ring(node_id_.size(), -1);  // the slave whose ring a node was last found in
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(node_id_.size()); ++n) {
@@ -137,7 +137,7 @@ void BruteContact::list_pairs() {
     for (const std::int32_t r : ring) in_ring[r] = n;
     for (std::size_t f = 0; f < facet_id_.size(); ++f) {
       if ((facet_roles[f] & roles) == 0) continue;
-      if (facet_part_[f] == record.part) {
+      if (facet_body_[f] == record.part) {
         if (!request_.same_part) continue;
         bool near = false;
         for (std::size_t k = 4 * f; k < 4 * f + 4; ++k)
@@ -164,11 +164,11 @@ ContactView BruteContact::view() const {
   v.position = position_.data();
   v.velocity = velocity_.data();
   v.mass = mass_.data();
-  v.node_part = node_part_.data();
+  v.node_body = node_body_.data();
   v.n_facets = static_cast<int>(facet_id_.size());
   v.facet_id = facet_id_.data();
   v.facet_nodes = facet_nodes_.data();
-  v.facet_part = facet_part_.data();
+  v.facet_body = facet_body_.data();
   v.facet_bulk_modulus = bulk_modulus_.data();
   v.facet_volume = volume_.data();
   v.facet_edge = edge_.data();
@@ -247,7 +247,7 @@ bool BruteContact::row_is_pushed(std::size_t row) const {
 double BruteContact::depth_below_surface(Vec3 p, int part) const {
   double least = 1e300, depth = 1e300;
   for (std::size_t f = 0; f < facet_id_.size(); ++f) {
-    if (facet_part_[f] != part) continue;
+    if (facet_body_[f] != part) continue;
     Vec3 x[4];
     double size = 0.0;
     for (int k = 0; k < 4; ++k) {

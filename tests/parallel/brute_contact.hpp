@@ -69,7 +69,7 @@ class BruteContact {
   double dt_ = 0.0, kick_dt_ = 0.0;  // of the step that is predicted [s]
   AlignedVector<double> position_, velocity_;
   std::vector<double> mass_, bulk_modulus_, volume_, edge_;
-  std::vector<std::int32_t> node_part_, facet_nodes_, facet_opposite_, facet_part_;
+  std::vector<std::int32_t> node_body_, facet_nodes_, facet_opposite_, facet_body_;
   std::vector<std::int32_t> slave_, candidate_, around_;
   std::vector<ContactRow> candidate_rows_, around_rows_;
   std::vector<std::vector<std::int32_t>> facets_of_node_;

@@ -158,7 +158,7 @@ std::string flight_input(const Flight& flight) {
 FlightReport fly(const Flight& flight, MPI_Comm comm) {
   FlightReport report;
   const auto input = scene(flight_input(flight));
-  Simulation simulation(comm, *input, scene_registry());
+  Simulation simulation(comm, *input);
   if (flight.deletion == Flight::Deletion::random)
     light_fuses(simulation.model(), [&](std::int64_t id) {
       const auto item = static_cast<std::uint64_t>(id);

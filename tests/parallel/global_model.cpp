@@ -21,7 +21,8 @@ struct Copy {
 };
 
 bool same_bits(const NodeRecord& a, const NodeRecord& b) {
-  return a.id == b.id && a.sets == b.sets && a.part == b.part && a.free == b.free &&
+  return a.id == b.id && a.membership == b.membership && a.part == b.part && a.free == b.free &&
+         std::memcmp(a.reference, b.reference, sizeof(a.reference)) == 0 &&
          std::memcmp(a.position, b.position, sizeof(a.position)) == 0 &&
          std::memcmp(a.velocity, b.velocity, sizeof(a.velocity)) == 0 && a.mass == b.mass &&
          std::memcmp(a.force, b.force, sizeof(a.force)) == 0;

@@ -75,6 +75,11 @@ void generate(Model& model, const ModelInput& input) {
   generate_mesh(model);
 }
 
+Vec3 generated_position(const Model& model, std::int64_t node) {
+  const PartModel& part = model.parts[static_cast<std::size_t>(model.part_of_node(node))];
+  return part.placement->apply(part.input->mesh->node(node - part.first_node));
+}
+
 void light_fuses(Model& model, const std::function<double(std::int64_t)>& cycles) {
   for (PartModel& part : model.parts) {
     PartStore& store = *part.store;

@@ -26,6 +26,9 @@ std::unique_ptr<ModelInput> scene(const std::string& yaml);
 /// Generates a model as a run does, but leaves its elements where they were generated: no partitioner is asked.
 void generate(Model& model, const ModelInput& input);
 
+/// Where the generator of a part puts a node of the undeformed model [m]. Pre: no parts are joined.
+Vec3 generated_position(const Model& model, std::int64_t node);
+
 /// Sets the fuse of every element: `cycles(id)` is the number of cycles that it has left. Needs `fuse` as a
 /// criterion of every part's material.
 void light_fuses(Model& model, const std::function<double(std::int64_t)>& cycles);

@@ -90,7 +90,7 @@ class RandomSurface {
         for (int i = 0; i <= n_; ++i) {
           ContactNodeRecord r;
           r.id = node_id(part, i, j, k);
-          r.part = part;
+          r.body = part;
           const Vec3 x = corner + Vec3{i + real(-0.4, 0.4), j + real(-0.4, 0.4), k + real(-0.4, 0.4)};
           const Vec3 own = x + Vec3{0.3, 0.3, 0.3} * static_cast<double>(part);  // each part drifts in its own way
           r.box = Box::spanned(x, x + way(), std::pow(10.0, real(-3.0, -0.3)));
@@ -145,7 +145,7 @@ class RandomSurface {
   ContactFacetRecord facet(std::int64_t element, int face) {
     ContactFacetRecord f;
     f.id = element * 8 + face;
-    f.part = static_cast<std::int32_t>(element / block);
+    f.body = static_cast<std::int32_t>(element / block);
     f.role = roles_.at(element);
     const auto c = corners(element);
     const auto& far_side = hexahedron.face[hexahedron.opposite_face[face]];
@@ -172,7 +172,7 @@ class RandomSurface {
 };
 
 bool meet(const ContactNodeRecord& s, const ContactFacetRecord& f) {
-  const bool own = s.part == f.part;
+  const bool own = s.body == f.body;
   const Box &a = own ? s.own_box : s.box, &b = own ? f.own_box : f.box;
   for (int d = 0; d < 3; ++d)
     if (a.high[d] < b.low[d] || a.low[d] > b.high[d]) return false;
@@ -189,7 +189,7 @@ std::set<Pair> all_pairs(const RandomSurface& surface, bool same_part) {
   for (const ContactNodeRecord& s : surface.slaves)
     for (const ContactFacetRecord& f : surface.facets) {
       if ((s.role & f.role) == 0 || !meet(s, f)) continue;
-      if (s.part == f.part) {
+      if (s.body == f.body) {
         if (!same_part) continue;
         const auto& near = ring[s.id];
         const auto touches = [&](std::int64_t id) { return near.count(id) != 0; };
@@ -244,7 +244,7 @@ void expect_well_formed(const RandomSurface& surface, const Candidates& c) {
   for (const std::int32_t f : referred) {
     const auto it = facet.find(c.facet_id[f]);
     ASSERT_NE(it, facet.end()) << "facet " << c.facet_id[f] << " is gone";
-    EXPECT_EQ(c.facet_part[f], it->second->part);
+    EXPECT_EQ(c.facet_body[f], it->second->body);
     for (int k = 0; k < 4; ++k) EXPECT_EQ(c.node_id[c.facet_nodes[4 * f + k]], it->second->nodes[k]);
   }
 }

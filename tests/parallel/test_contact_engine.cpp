@@ -6,7 +6,6 @@
 #include <cmath>
 #include <string>
 
-#include "model/reference_position.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/lookout.hpp"
 #include "parallel/scene.hpp"
@@ -63,7 +62,7 @@ class Puppeteer final : public StepObserver {
   Puppeteer(const Simulation& simulation, std::uint64_t seed, Mood mood, double offset)
       : simulation_(simulation), seed_(seed), mood_(mood), offset_{offset, offset, offset} {
     for (std::int64_t id = 0; id < simulation.model().n_nodes; ++id)
-      start_.push_back(reference_position(simulation.model(), id) - offset_);
+      start_.push_back(test::generated_position(simulation.model(), id) - offset_);
   }
 
   ForceComparison comparison;
@@ -154,7 +153,7 @@ struct Looks {
 Looks expect_brute_forces(const std::string& contact, std::uint64_t seed, bool deaths, int force_interval,
                           Mood mood = Mood::wild, double offset = 0.0) {
   const auto input = scene(limp_bodies(contact, force_interval, offset));
-  Simulation simulation(MPI_COMM_WORLD, *input, scene_registry());
+  Simulation simulation(MPI_COMM_WORLD, *input);
   if (deaths)
     light_fuses(simulation.model(), [&](std::int64_t id) {
       const auto item = static_cast<std::uint64_t>(id) * 2;
@@ -248,7 +247,7 @@ parts:
                                skin + R"(, cells: 1}]
 contacts: [{type: eroding_surface}]
 )");
-      EXPECT_NO_THROW(Simulation(MPI_COMM_WORLD, *input, scene_registry())) << "skin up to " << skin << ", gap " << gap;
+      EXPECT_NO_THROW(Simulation(MPI_COMM_WORLD, *input)) << "skin up to " << skin << ", gap " << gap;
     }
 }
 

@@ -83,7 +83,8 @@ void expect_same(const GlobalModel& a, const GlobalModel& b) {
   }
   for (std::size_t n = 0; n < a.nodes.size(); ++n) {
     const NodeRecord &x = a.nodes[n], &y = b.nodes[n];
-    ASSERT_TRUE(x.id == y.id && x.sets == y.sets && x.part == y.part && x.free == y.free) << "node " << x.id;
+    ASSERT_TRUE(x.id == y.id && x.membership == y.membership && x.part == y.part && x.free == y.free)
+        << "node " << x.id;
     ASSERT_EQ(std::memcmp(x.position, y.position, sizeof x.position), 0) << "node " << x.id;
     ASSERT_EQ(std::memcmp(x.velocity, y.velocity, sizeof x.velocity), 0) << "node " << x.id;
     ASSERT_EQ(std::memcmp(x.force, y.force, sizeof x.force), 0) << "node " << x.id;

@@ -712,7 +712,7 @@ TEST_F(Restart, what_cannot_be_read_is_refused_with_a_sentence) {
     if (has_format) other.root.set("kerf_restart_format", restart_format + 1);
     other.commit();
     const std::string expected =
-        has_format ? "has restart format 3, and this program reads format 2" : "is not a restart file";
+        has_format ? "has restart format 4, and this program reads format 3" : "is not a restart file";
     EXPECT_NE(message(path("other.h5")).find(expected), std::string::npos) << message(path("other.h5"));
   }
 }

@@ -33,6 +33,28 @@ parts:
     placement: [{translate: [4e-3, 3e-3, 7e-3]}]
 )";
 
+/// Three blocks that share the nodes of their faces, so that neighbours are of different parts; the middle one comes
+/// last, and all three meet in one edge.
+constexpr const char* joined_blocks = R"(
+time: {end: 1 us}
+materials:
+  metal:
+    density: 7850
+    strength: {type: elastic, shear_modulus: 80e9}
+    eos: {type: linear, bulk_modulus: 160e9}
+    erosion: {criteria: [{type: fuse}]}
+parts:
+  low: {material: metal, mesh: {type: block, size: [9e-3, 7e-3, 2e-3], cells: [9, 7, 2]}}
+  side: {material: metal, mesh: {type: block, origin: [4e-3, 0, 2e-3], size: [5e-3, 7e-3, 3e-3], cells: [5, 7, 3]}}
+  middle: {material: metal, mesh: {type: block, origin: [0, 0, 2e-3], size: [4e-3, 7e-3, 3e-3], cells: [4, 7, 3]}}
+joined: [{parts: [low, side]}, {parts: [middle, side, low]}]
+)";
+
+class SurfaceOf : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(bodies, SurfaceOf, testing::Values(block_and_rod, joined_blocks), [](const auto& bodies) {
+  return std::string(bodies.param == joined_blocks ? "joined_blocks" : "block_and_rod");
+});
+
 /// Facets round some nodes, asked for while those of dead elements may still be listed, against all facets.
 void expect_true_surface_round(Model& model, std::vector<ExteriorFacet> round, const std::vector<char>& marked,
                                const std::string& when) {
@@ -107,16 +129,16 @@ int slab_owner(const Model& model, std::int64_t id, std::uint64_t shift) {
   return static_cast<int>(at * model.n_ranks() / model.n_elements);
 }
 
-TEST(Surface, of_undamaged_bodies_is_their_skin) {
-  const auto input = scene(block_and_rod);
+TEST_P(SurfaceOf, of_undamaged_bodies_is_their_skin) {
+  const auto input = scene(GetParam());
   Model model;
   generate(model, *input);
   expect_true_surface(model, "as generated");
   expect_true_neighbours(model, "as generated");
 }
 
-TEST(Surface, stays_true_through_random_deletions_and_migrations) {
-  const auto input = scene(block_and_rod);
+TEST_P(SurfaceOf, stays_true_through_random_deletions_and_migrations) {
+  const auto input = scene(GetParam());
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     Model model;
     generate(model, *input);
@@ -144,8 +166,8 @@ TEST(Surface, stays_true_through_random_deletions_and_migrations) {
   }
 }
 
-TEST(Surface, knows_what_others_have_lost_to_the_last_element) {
-  const auto input = scene(block_and_rod);
+TEST_P(SurfaceOf, knows_what_others_have_lost_to_the_last_element) {
+  const auto input = scene(GetParam());
   Model model;
   generate(model, *input);
   migrate(model, owners_of_live(model, [&](std::int64_t id) { return static_cast<int>(id % model.n_ranks()); }));
@@ -159,8 +181,8 @@ TEST(Surface, knows_what_others_have_lost_to_the_last_element) {
   EXPECT_EQ(sum_of(model.comm, static_cast<std::int64_t>(model.surface.exterior(model.surface_mesh()).size())), 0);
 }
 
-TEST(Surface, names_the_faces_that_dead_elements_had_covered) {
-  const auto input = scene(block_and_rod);
+TEST_P(SurfaceOf, names_the_faces_that_dead_elements_had_covered) {
+  const auto input = scene(GetParam());
   Model model;
   generate(model, *input);
   if (model.n_ranks() > 1) GTEST_SKIP() << "asked on one rank only";
@@ -188,6 +210,16 @@ TEST(Surface, names_the_faces_that_dead_elements_had_covered) {
     EXPECT_TRUE(opened == expected) << "round " << round;
     erosion.compact(model);
   }
+}
+
+TEST(Surface, of_joined_blocks_has_no_face_where_they_meet) {
+  const auto input = scene(joined_blocks);
+  Model model;
+  generate(model, *input);
+  // As of one block of 9 x 7 x 5 cells: its nodes are 10 x 8 x 6.
+  EXPECT_EQ(model.n_nodes, 10 * 8 * 6);
+  EXPECT_EQ(sum_of(model.comm, static_cast<std::int64_t>(model.surface.exterior(model.surface_mesh()).size())),
+            2 * (9 * 7 + 9 * 5 + 7 * 5));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "support/one_part.hpp"
+#include "support/wedges.hpp"
 
 namespace {
 
@@ -22,6 +23,8 @@ const char* const viscous = "{linear_viscosity: 0, quadratic_viscosity: 0, hourg
 const char* const stiffness =
     "{linear_viscosity: 0, quadratic_viscosity: 0, hourglass: stiffness, hourglass_coefficient: 0.1}";
 
+const char* const wedge = "an element of another shape, with the parameters of the viscous one";
+
 Vec3 operator*(const Matrix& m, Vec3 a) {
   const Eigen::Vector3d r = m * Eigen::Vector3d(a.x, a.y, a.z);
   return {r[0], r[1], r[2]};
@@ -33,10 +36,10 @@ Matrix full(SymTensor t) {
 }
 double largest(const Matrix& m) { return m.cwiseAbs().maxCoeff(); }
 
-OnePart part_of(const HexMesh& mesh, const char* element) {
+OnePart part_of(const CellMesh& mesh, const char* element) {
   PartLaws laws;
   laws.element = element;
-  OnePart part(mesh, laws);
+  OnePart part = element == wedge ? OnePart(in_wedges(mesh), laws, make_wedge(viscous)) : OnePart(mesh, laws);
   part.initialise();
   return part;
 }
@@ -80,6 +83,7 @@ void expect_uniform_stress(const Matrix& f, Vec3 shift, const char* element, dou
 TEST(AffineMotion, gives_uniform_stress) {
   expect_uniform_stress(stretched, {}, viscous, round_off);
   expect_uniform_stress(stretched, {}, stiffness, round_off);
+  expect_uniform_stress(stretched, {}, wedge, round_off);
 }
 
 TEST(AffineMotion, gives_the_same_stress_under_translation) {
@@ -119,7 +123,7 @@ void expect_turned_stress(double angle, int n, double tolerance) {
   const Matrix step = Eigen::AngleAxisd(angle / n, axis).toRotationMatrix();
   const Matrix whole = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
   const SymTensor s{300e6, -100e6, -200e6, 150e6, -50e6, 250e6};
-  for (const char* element : {viscous, stiffness}) {
+  for (const char* element : {viscous, stiffness, wedge}) {
     OnePart part = part_of(distorted_block(3, 2, 2, size, 0.2, 7), element);
     for (int e = 0; e < part.n_elements(); ++e) part.set_deviator(e, s);
     const std::vector<Vec3> start = part.x;
@@ -142,17 +146,18 @@ TEST(RigidRotation, turns_the_stress_exactly_in_one_step_of_a_radian) { expect_t
 TEST(RigidRotation, turns_the_stress_exactly_in_small_steps) { expect_turned_stress(1.0, 1000, 1e-10); }
 
 TEST(RigidRotation, gives_no_stress_to_a_body_without_stress) {
-  for (const int n : {10, 1000}) {
-    OnePart part = part_of(distorted_block(3, 2, 2, size, 0.2, 5), viscous);
-    const Matrix step = Eigen::AngleAxisd(1.0 / n, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
-    for (int i = 0; i < n; ++i) part.move_to(mapped(part.x, step, {}), dt);
-    for (int e = 0; e < part.n_elements(); ++e)
-      EXPECT_LT(largest(full(part.stress(e))), 1e-15 * n * 10.0 * K) << n << " steps";  // round-off of n steps
-  }
+  for (const char* element : {viscous, wedge})
+    for (const int n : {10, 1000}) {
+      OnePart part = part_of(distorted_block(3, 2, 2, size, 0.2, 5), element);
+      const Matrix step = Eigen::AngleAxisd(1.0 / n, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
+      for (int i = 0; i < n; ++i) part.move_to(mapped(part.x, step, {}), dt);
+      for (int e = 0; e < part.n_elements(); ++e)
+        EXPECT_LT(largest(full(part.stress(e))), 1e-15 * n * 10.0 * K) << n << " steps";  // round-off of n steps
+    }
 }
 
 TEST(RigidRotation, exerts_no_hourglass_force) {
-  for (const char* element : {viscous, stiffness}) {
+  for (const char* element : {viscous, stiffness, wedge}) {
     OnePart part = part_of(distorted_block(2, 2, 2, size, 0.25, 5), element);
     const Matrix step = Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
     part.move_to(mapped(part.x, step, Vec3{1, 1, 1} * size), dt);

@@ -65,7 +65,7 @@ TEST(ElementForces, of_one_element_add_up_to_nothing_in_integers) {
 TEST(ElementForces, the_last_node_differs_by_no_more_than_the_others_rounding) {
   // It takes minus the sum of seven rounded forces instead of its own. Under a pressure alone its own force is p B.
   for (unsigned seed = 1; seed <= 50; ++seed) {
-    const HexMesh mesh = distorted_element(size, 0.25, seed);
+    const CellMesh mesh = distorted_element(size, 0.25, seed);
     PartLaws laws;
     laws.compression = 1.01;
     OnePart part(mesh, laws);
@@ -73,7 +73,7 @@ TEST(ElementForces, the_last_node_differs_by_no_more_than_the_others_rounding) {
     part.step(dt);
     const int last = part.nodes(0)[7];
     for (int d = 0; d < 3; ++d) {
-      HexMesh plus = mesh, minus = mesh;
+      CellMesh plus = mesh, minus = mesh;
       plus.x[last][d] += 0.25 * size, minus.x[last][d] -= 0.25 * size;
       const auto& e = mesh.elements[0];
       const double b = (volume_by_divergence(plus, e) - volume_by_divergence(minus, e)) / (0.5 * size);
@@ -96,8 +96,8 @@ TEST(ElementForces, of_a_block_have_no_torque_under_symmetric_stress) {
 }
 
 /// The same elements in another order: other lanes, other neighbours in the block.
-HexMesh reordered(const HexMesh& mesh, const std::vector<int>& order) {
-  HexMesh other;
+CellMesh reordered(const CellMesh& mesh, const std::vector<int>& order) {
+  CellMesh other;
   other.x = mesh.x;
   for (const int e : order) other.elements.push_back(mesh.elements[e]);
   return other;
@@ -105,7 +105,7 @@ HexMesh reordered(const HexMesh& mesh, const std::vector<int>& order) {
 
 TEST(Lanes, order_of_elements_changes_no_bit) {
   for (int kind = 0; kind < 3; ++kind) {
-    const HexMesh mesh = distorted_block(3, 3, 3, size, 0.2, 9);
+    const CellMesh mesh = distorted_block(3, 3, 3, size, 0.2, 9);
     std::vector<int> order(mesh.elements.size());
     std::iota(order.begin(), order.end(), 0);
     std::shuffle(order.begin(), order.end(), std::mt19937(3));
@@ -125,7 +125,7 @@ TEST(Lanes, order_of_elements_changes_no_bit) {
 
 TEST(Lanes, padding_does_not_matter) {
   // 1 to 17 elements leave 7 to no lanes without an element; forces and state must be those of elements alone.
-  const HexMesh mesh = distorted_block(17, 1, 1, size, 0.2, 5);
+  const CellMesh mesh = distorted_block(17, 1, 1, size, 0.2, 5);
   std::vector<OnePart> alone;
   for (int e = 0; e < 17; ++e) {
     alone.emplace_back(reordered(mesh, {e}), laws_of(0));

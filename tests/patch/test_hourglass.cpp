@@ -30,11 +30,11 @@ PartLaws laws_with(const std::string& hourglass, double coefficient) {
 }
 
 /// Mean gradient dN/dx, from central differences of the volume, which is linear in every single coordinate.
-std::vector<Vec3> gradient_by_volume(const HexMesh& mesh) {
+std::vector<Vec3> gradient_by_volume(const CellMesh& mesh) {
   std::vector<Vec3> b(8);
   for (int n = 0; n < 8; ++n)
     for (int d = 0; d < 3; ++d) {
-      HexMesh plus = mesh, minus = mesh;
+      CellMesh plus = mesh, minus = mesh;
       plus.x[mesh.elements[0][n]][d] += 0.25 * size;
       minus.x[mesh.elements[0][n]][d] -= 0.25 * size;
       b[n][d] =
@@ -45,7 +45,7 @@ std::vector<Vec3> gradient_by_volume(const HexMesh& mesh) {
 
 /// A velocity along `direction` in the pattern of a mode, with the linear part taken out that a distorted element
 /// sees in it.
-std::vector<Vec3> hourglass_velocity(const HexMesh& mesh, int mode, int direction, double speed) {
+std::vector<Vec3> hourglass_velocity(const CellMesh& mesh, int mode, int direction, double speed) {
   const auto& element = mesh.elements[0];
   const std::vector<Vec3> b = gradient_by_volume(mesh);
   const double volume = volume_by_divergence(mesh, element);
@@ -60,8 +60,8 @@ std::vector<Vec3> hourglass_velocity(const HexMesh& mesh, int mode, int directio
 }
 
 /// An element at rest at the end of a step in which it moved in one hourglass mode.
-OnePart moved_in_mode(const HexMesh& end, const PartLaws& laws, int mode, int direction, double speed) {
-  HexMesh start = end;
+OnePart moved_in_mode(const CellMesh& end, const PartLaws& laws, int mode, int direction, double speed) {
+  CellMesh start = end;
   const std::vector<Vec3> v = hourglass_velocity(end, mode, direction, speed);
   for (int n = 0; n < 8; ++n) start.x[n] = end.x[n] - v[n] * dt;
   OnePart part(start, laws);
@@ -139,7 +139,7 @@ TEST(Hourglass, viscous_control_books_what_the_motion_loses) {
   // A free cube whose nodes carry an eighth of its mass each, released in an hourglass mode: the motion dies within
   // some steps, and its whole energy must be in the account, however much of it every single step takes.
   for (const double coefficient : {0.02, 0.05, 0.1}) {
-    const HexMesh mesh = distorted_element(size, 0.0, 1);
+    const CellMesh mesh = distorted_element(size, 0.0, 1);
     OnePart part(mesh, laws_with("viscous", coefficient));
     part.initialise();
     part.v = hourglass_velocity(mesh, 0, 0, 0.1);
@@ -164,7 +164,7 @@ TEST(Hourglass, viscous_control_books_what_the_motion_loses) {
 
 /// Largest share of an hourglass motion that the force takes from it in a step of the default length: with f = -C v and
 /// C symmetric, |f|^2 / (-f . v) is at most C's largest eigenvalue.
-double largest_share(const HexMesh& mesh, const PartLaws& laws) {
+double largest_share(const CellMesh& mesh, const PartLaws& laws) {
   OnePart probe(mesh, laws);
   probe.initialise();
   const double step = 0.9 * probe.stable_step(), mass = probe.element_mass(0) / 8.0;
@@ -190,8 +190,8 @@ double largest_share(const HexMesh& mesh, const PartLaws& laws) {
 }
 
 /// A cube whose upper face is shrunk to `x` by `y` of its size.
-HexMesh tapered(double x, double y) {
-  HexMesh mesh = distorted_element(size, 0.0, 1);
+CellMesh tapered(double x, double y) {
+  CellMesh mesh = distorted_element(size, 0.0, 1);
   for (Vec3& p : mesh.x)
     if (p.z > 0.5 * size) p = {0.5 * size + x * (p.x - 0.5 * size), 0.5 * size + y * (p.y - 0.5 * size), p.z};
   return mesh;
@@ -199,7 +199,7 @@ HexMesh tapered(double x, double y) {
 
 TEST(Hourglass, force_is_bounded_in_every_shape) {
   // Twice the motion would be the limit of stability. Shapes are those of cells that flow: pinched, sheared, flattened.
-  std::vector<HexMesh> shapes;
+  std::vector<CellMesh> shapes;
   for (const double x : {1.0, 0.6, 0.3, 0.1})
     for (const double y : {1.0, 0.3})
       for (const double flatten : {1.0, 0.2, 5.0}) {
@@ -208,7 +208,7 @@ TEST(Hourglass, force_is_bounded_in_every_shape) {
       }
   for (unsigned seed = 1; seed <= 30; ++seed) shapes.push_back(distorted_element(size, 0.3, seed));
   for (const double coefficient : {0.05, 0.15})
-    for (const HexMesh& mesh : shapes) {
+    for (const CellMesh& mesh : shapes) {
       // 1e-3: the shape at the step's end is the one that is measured, and it carries no stress but round-off.
       EXPECT_LE(largest_share(mesh, laws_with("viscous", coefficient)), 1.001) << "coefficient " << coefficient;
       // Four would be the limit of stability of a force that grows with the displacement.
@@ -225,7 +225,7 @@ TEST(Hourglass, viscous_force_is_the_formula_wherever_it_is_harmless) {
 
 /// Force in an hourglass mode of a cube that shears at the same time by `strain` in a step.
 double force_while_sheared(const PartLaws& laws, double strain) {
-  const HexMesh mesh = distorted_element(size, 0.0, 1);
+  const CellMesh mesh = distorted_element(size, 0.0, 1);
   OnePart part(mesh, laws);
   part.initialise();
   const std::vector<Vec3> v = hourglass_velocity(mesh, 3, 2, 1.0);
@@ -273,7 +273,7 @@ TEST(Hourglass, stiffness_force_of_a_turning_mode_turns_with_it) {
   // A mode that grows along an axis of a body that turns by 0.2 in a step: the resistance at the end of the step lies
   // along the axis as it is then.
   const double angle = 0.2, cs = std::cos(angle), sn = std::sin(angle), moved = 1e-4 * size;
-  const HexMesh cube = distorted_element(size, 0.0, 1);
+  const CellMesh cube = distorted_element(size, 0.0, 1);
   OnePart part(cube, laws_with("stiffness", 0.1));
   part.initialise();
   std::vector<Vec3> target(8);
@@ -295,7 +295,7 @@ TEST(Hourglass, forces_are_orthogonal_to_rigid_and_linear_motion) {
   // their first moments must vanish.
   for (const char* kind : {"viscous", "stiffness"})
     for (unsigned seed = 1; seed <= 10; ++seed) {
-      const HexMesh mesh = distorted_element(size, 0.25, seed);
+      const CellMesh mesh = distorted_element(size, 0.25, seed);
       std::vector<Vec3> v(8);
       std::mt19937 random(seed);
       std::uniform_real_distribution<double> any(-100.0, 100.0);
@@ -307,7 +307,7 @@ TEST(Hourglass, forces_are_orthogonal_to_rigid_and_linear_motion) {
       PartLaws laws = laws_with(kind, 0.1);
       laws.eos_parameters = "{bulk_modulus: 1 Pa}";  // the change of volume is of second order: no pressure from it
       laws.element.insert(1, "linear_viscosity: 0, quadratic_viscosity: 0, ");
-      HexMesh start = mesh;
+      CellMesh start = mesh;
       for (int n = 0; n < 8; ++n) start.x[n] = mesh.x[n] - v[n] * dt;
       OnePart part(start, laws);
       part.initialise();

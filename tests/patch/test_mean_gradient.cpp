@@ -36,7 +36,7 @@ Gradient integrated_gradient(const std::vector<Vec3>& x) {
 }
 
 /// The element's own gradient: under a pressure alone, its forces are p B. Twice the density gives p = K.
-Gradient own_gradient(const HexMesh& mesh) {
+Gradient own_gradient(const CellMesh& mesh) {
   PartLaws laws;
   laws.strength = "hydrodynamic";
   laws.strength_parameters = "{}";
@@ -53,7 +53,7 @@ Gradient own_gradient(const HexMesh& mesh) {
   return b;
 }
 
-std::vector<Vec3> corners_of(const HexMesh& mesh) {
+std::vector<Vec3> corners_of(const CellMesh& mesh) {
   std::vector<Vec3> x;
   for (const int n : mesh.elements[0]) x.push_back(mesh.x[n] - mesh.x[mesh.elements[0][0]]);
   return x;
@@ -61,7 +61,7 @@ std::vector<Vec3> corners_of(const HexMesh& mesh) {
 
 TEST(MeanGradient, equals_the_integral_of_the_shape_functions_gradient) {
   for (unsigned seed = 1; seed <= 100; ++seed) {
-    const HexMesh mesh = distorted_element(size, 0.3, seed);
+    const CellMesh mesh = distorted_element(size, 0.3, seed);
     const Gradient difference = own_gradient(mesh) - integrated_gradient(corners_of(mesh));
     EXPECT_LT(difference.cwiseAbs().maxCoeff(), round_off * size * size) << "seed " << seed;
   }
@@ -70,7 +70,7 @@ TEST(MeanGradient, equals_the_integral_of_the_shape_functions_gradient) {
 TEST(MeanGradient, is_exact_for_the_flux_through_warped_faces) {
   // sum_I x_iI B_jI = V delta_ij: the gradient of a linear field is right in any element.
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    const HexMesh mesh = distorted_element(size, 0.3, seed);
+    const CellMesh mesh = distorted_element(size, 0.3, seed);
     const Gradient b = own_gradient(mesh);
     const std::vector<Vec3> x = corners_of(mesh);
     const double volume = volume_by_divergence(mesh, mesh.elements[0]);
@@ -85,7 +85,7 @@ TEST(MeanGradient, is_exact_for_the_flux_through_warped_faces) {
 
 TEST(Volume, equals_the_integral_over_the_surface) {
   for (unsigned seed = 1; seed <= 100; ++seed) {
-    const HexMesh mesh = distorted_element(size, 0.3, seed);
+    const CellMesh mesh = distorted_element(size, 0.3, seed);
     OnePart part(mesh);
     part.initialise();
     EXPECT_NEAR(part.get(PartStore::volume, 0) / volume_by_divergence(mesh, mesh.elements[0]), 1.0, round_off);
@@ -94,8 +94,8 @@ TEST(Volume, equals_the_integral_over_the_surface) {
 
 TEST(Volume, of_a_neighbourhood_adds_up_to_that_of_the_block) {
   // Inner nodes are moved, the block's surface is not: warped faces leave no gap and no overlap.
-  HexMesh mesh = distorted_block(3, 3, 3, size, 0.0, 1);
-  const HexMesh moved = distorted_block(3, 3, 3, size, 0.3, 2);
+  CellMesh mesh = distorted_block(3, 3, 3, size, 0.0, 1);
+  const CellMesh moved = distorted_block(3, 3, 3, size, 0.3, 2);
   for (int n = 0; n < 64; ++n)
     if (n / 16 % 3 != 0 && n / 4 % 4 % 3 != 0 && n % 4 % 3 != 0) mesh.x[n] = moved.x[n];
   OnePart part(mesh);

@@ -64,7 +64,7 @@ double stress_difference(const A& a, const B& b) {
 TEST(SinglePrecision, follows_double_precision_to_round_off) {
   for (int kind = 0; kind < 4; ++kind)
     for (unsigned seed = 1; seed <= 10; ++seed) {
-      const HexMesh mesh = distorted_block(3, 3, 2, size, 0.2, seed);
+      const CellMesh mesh = distorted_block(3, 3, 2, size, 0.2, seed);
       OnePart exact(mesh, laws_of(kind));
       SinglePart part(mesh, laws_of(kind));
       shake(exact, seed);
@@ -113,8 +113,8 @@ TEST(SinglePrecision, forces_of_one_element_add_up_to_nothing_in_integers) {
 TEST(SinglePrecision, place_and_common_speed_do_not_matter) {
   // Differences are taken before they are rounded. At a million sizes from the origin a double has an error of 1e-10 of
   // the size, and a speed of 10 km/s moves the nodes by half a size in a step.
-  const HexMesh here = distorted_block(3, 3, 3, size, 0.2, 4);
-  HexMesh there = here;
+  const CellMesh here = distorted_block(3, 3, 3, size, 0.2, 4);
+  CellMesh there = here;
   for (Vec3& x : there.x) x = x + Vec3{1e6, -2e6, 0.5e6} * size;
   SinglePart near(here, laws_of(0)), far(there, laws_of(0)), fast(here, laws_of(0));
   shake(near, 9);
@@ -126,8 +126,8 @@ TEST(SinglePrecision, place_and_common_speed_do_not_matter) {
 }
 
 TEST(SinglePrecision, order_of_elements_and_padding_change_no_bit) {
-  const HexMesh mesh = distorted_block(3, 3, 3, size, 0.2, 3);
-  HexMesh other = mesh;
+  const CellMesh mesh = distorted_block(3, 3, 3, size, 0.2, 3);
+  CellMesh other = mesh;
   std::vector<int> order(mesh.elements.size());
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), std::mt19937(5));
@@ -196,7 +196,7 @@ TEST(SinglePrecision, edges_from_a_tenth_of_a_micrometre_to_a_hundred_kilometres
   for (const double edge : {1.2e-7, 1e-5, 1.0, 8e4})
     for (const int kind : {0, 1, 2}) {
       const double time = dt * edge / size;
-      const HexMesh mesh = distorted_block(5, 1, 1, edge, 0.2, 8);
+      const CellMesh mesh = distorted_block(5, 1, 1, edge, 0.2, 8);
       OnePart exact(mesh, laws_of(kind));
       SinglePart part(mesh, laws_of(kind));
       part.force_quantum = exact.force_quantum = OnePart::quantum * std::exp2(std::ceil(2.0 * std::log2(edge / size)));
@@ -216,7 +216,7 @@ TEST(SinglePrecision, edges_from_a_tenth_of_a_micrometre_to_a_hundred_kilometres
 TEST(SinglePrecision, pressure_is_that_of_a_doubles_volume) {
   // Rounded to a float once, at the end: not to a share of the bulk modulus.
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    const HexMesh mesh = distorted_block(3, 3, 3, size, 0.25, seed);
+    const CellMesh mesh = distorted_block(3, 3, 3, size, 0.25, seed);
     for (const double compression : {1.0, 1.0 + 1e-7, 1.0 + 1e-4}) {
       PartLaws laws;
       laws.compression = compression;
@@ -234,7 +234,7 @@ TEST(SinglePrecision, pressure_is_that_of_a_doubles_volume) {
 }
 
 TEST(SinglePrecision, an_inverted_element_is_reported_and_exerts_no_force) {
-  HexMesh mesh = distorted_element(size, 0.0, 1);
+  CellMesh mesh = distorted_element(size, 0.0, 1);
   SinglePart part(mesh);
   part.initialise();
   EXPECT_EQ(part.work.inverted_block, -1);

@@ -23,7 +23,7 @@ PartLaws laws_of(double poisson, const std::string& element) {
 }
 
 /// Largest stable step of central differences for small motion of the mesh: 2 over its highest frequency [s].
-double true_limit(const HexMesh& mesh, const PartLaws& laws) {
+double true_limit(const CellMesh& mesh, const PartLaws& laws) {
   // A step that moves one node by 1e-9 of a metre: small against the size, large against the quantum of force.
   const double moved = 1e-9, dt = 1e-9;
   const int n = 3 * static_cast<int>(mesh.x.size());
@@ -46,7 +46,7 @@ double true_limit(const HexMesh& mesh, const PartLaws& laws) {
   return 2.0 / std::sqrt(largest);
 }
 
-double estimate(const HexMesh& mesh, const PartLaws& laws) {
+double estimate(const CellMesh& mesh, const PartLaws& laws) {
   OnePart part(mesh, laws);
   part.initialise();
   return part.stable_step();
@@ -61,7 +61,7 @@ const std::string free_element = no_viscosity("hourglass_coefficient: 0, stable_
 
 TEST(StableStep, of_a_free_cube_is_exact) {
   for (const double poisson : {0.0, 0.2, 0.3, 0.45}) {
-    const HexMesh cube = distorted_element(size, 0.0, 1);
+    const CellMesh cube = distorted_element(size, 0.0, 1);
     // The stiffness is taken with a finite displacement of 1e-6 of the size.
     EXPECT_NEAR(estimate(cube, laws_of(poisson, free_element)) / true_limit(cube, laws_of(poisson, bare)), 1.0, 1e-5)
         << "Poisson's ratio " << poisson;
@@ -71,7 +71,7 @@ TEST(StableStep, of_a_free_cube_is_exact) {
 TEST(StableStep, of_a_free_element_is_never_above_the_true_limit) {
   double least = 1e300, most = 0.0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
-    HexMesh mesh = distorted_element(size, 0.25, seed);
+    CellMesh mesh = distorted_element(size, 0.25, seed);
     const double flatten = seed % 3 == 0 ? 0.2 : 1.0, stretch = seed % 4 == 0 ? 3.0 : 1.0;
     for (Vec3& x : mesh.x) x.z *= flatten, x.y *= stretch;
     const double poisson = 0.15 * (seed % 4);
@@ -88,13 +88,13 @@ TEST(StableStep, of_a_free_element_holds_for_bars_and_sheets_of_one_cell) {
   const int shapes[][3] = {{1, 1, 5}, {3, 3, 1}, {2, 2, 2}, {3, 3, 3}};
   for (const auto& n : shapes)
     for (const double distortion : {0.0, 0.2}) {
-      const HexMesh mesh = distorted_block(n[0], n[1], n[2], size, distortion, 3);
+      const CellMesh mesh = distorted_block(n[0], n[1], n[2], size, distortion, 3);
       EXPECT_LE(estimate(mesh, laws_of(0.35, free_element)), true_limit(mesh, laws_of(0.35, bare)) * (1.0 + 1e-5));
     }
 }
 
 /// The least stable step where each element knows its exposed faces.
-double estimate_with_exposure(const HexMesh& mesh, const PartLaws& laws, const std::vector<int>& exposed) {
+double estimate_with_exposure(const CellMesh& mesh, const PartLaws& laws, const std::vector<int>& exposed) {
   OnePart part(mesh, laws);
   std::vector<std::uint8_t> faces(8 * ((exposed.size() + 7) / 8), 0);
   std::copy(exposed.begin(), exposed.end(), faces.begin());
@@ -112,7 +112,7 @@ TEST(StableStep, of_exposed_cells_holds_for_free_bodies_of_every_thickness) {
         for (int k = 0; k < n[2]; ++k)
           exposed.push_back((i == 0) + (i == n[0] - 1) + (j == 0) + (j == n[1] - 1) + (k == 0) + (k == n[2] - 1));
     for (const double poisson : {0.0, 0.3, 0.45, 0.499}) {
-      const HexMesh mesh = distorted_block(n[0], n[1], n[2], size, 0.0, 1);
+      const CellMesh mesh = distorted_block(n[0], n[1], n[2], size, 0.0, 1);
       // The finite displacement that takes the stiffness is 1e-6 of the size.
       EXPECT_LE(estimate_with_exposure(mesh, laws_of(poisson, bare), exposed),
                 true_limit(mesh, laws_of(poisson, bare)) * (1.0 + 1e-4))
@@ -126,12 +126,12 @@ TEST(StableStep, of_a_plane_wave_with_defaults_holds_for_bodies_of_several_cells
   // cover what free surfaces take from the plane wave's limit at these ratios; it is exact in an endless mesh of cubes.
   for (const int n : {2, 3})
     for (const double poisson : {0.0, 0.3, 0.4}) {
-      const HexMesh mesh = distorted_block(n, n, n, size, 0.0, 1);
+      const CellMesh mesh = distorted_block(n, n, n, size, 0.0, 1);
       const double step = 0.9 * estimate(mesh, laws_of(poisson, "{}"));
       EXPECT_LE(step, true_limit(mesh, laws_of(poisson, bare))) << n << " cells, Poisson's ratio " << poisson;
     }
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    const HexMesh mesh = distorted_block(3, 3, 3, size, 0.2, seed);
+    const CellMesh mesh = distorted_block(3, 3, 3, size, 0.2, seed);
     EXPECT_LE(estimate(mesh, laws_of(0.3, "{}")), true_limit(mesh, laws_of(0.3, bare))) << "seed " << seed;
   }
 }
@@ -139,7 +139,7 @@ TEST(StableStep, of_a_plane_wave_with_defaults_holds_for_bodies_of_several_cells
 TEST(StableStep, of_a_plane_wave_does_not_hold_for_a_cube_that_stands_alone) {
   // Why there are two bounds: a free cube breathes with 3 K, a plane wave moves with K + 4G/3.
   const double poisson = 0.3, G = 80e9, K = 2.0 / 3.0 * G * (1.0 + poisson) / (1.0 - 2.0 * poisson);
-  const HexMesh cube = distorted_element(size, 0.0, 1);
+  const CellMesh cube = distorted_element(size, 0.0, 1);
   const double ratio = true_limit(cube, laws_of(poisson, bare)) / estimate(cube, laws_of(poisson, bare));
   EXPECT_NEAR(ratio, std::sqrt((K + 4.0 / 3.0 * G) / (3.0 * K)), 1e-5);
 }
@@ -148,7 +148,7 @@ TEST(StableStep, is_not_lowered_by_stiffness_hourglass_control) {
   for (const double coefficient : {0.05, 0.25}) {
     const std::string control = "hourglass: stiffness, hourglass_coefficient: " + std::to_string(coefficient);
     for (unsigned seed = 1; seed <= 10; ++seed) {
-      const HexMesh mesh = distorted_element(size, 0.25, seed);
+      const CellMesh mesh = distorted_element(size, 0.25, seed);
       const double step = estimate(mesh, laws_of(0.3, no_viscosity(control + ", stable_step: free_element")));
       EXPECT_LE(step, true_limit(mesh, laws_of(0.3, no_viscosity(control))) * (1.0 + 1e-5)) << "seed " << seed;
     }
@@ -179,7 +179,7 @@ TEST(StableStep, of_the_start_lets_no_node_cross_a_twentieth_of_a_cell) {
 }
 
 TEST(StableStep, falls_with_bulk_viscosity) {
-  const HexMesh cube = distorted_element(size, 0.0, 1);
+  const CellMesh cube = distorted_element(size, 0.0, 1);
   const double b1 = 0.3;
   const double ratio = estimate(cube, laws_of(0.3, "{linear_viscosity: 0.3}")) / estimate(cube, laws_of(0.3, bare));
   EXPECT_NEAR(ratio, std::sqrt(1.0 + b1 * b1) - b1, 1e-12);

@@ -13,7 +13,7 @@ from typing import Callable
 from cases import ROD_SIZES, bar, johnson_cook_bar, rod, rod_facets, stiffness_bar
 from runner import ROOT, BenchError, Case, Run, Runner, Samples
 
-PHASES = ("elements", "nodes", "contact_search", "contact_forces", "halo", "erosion", "rebalance", "output")
+PHASES = ("elements", "nodes", "contact_search", "contact_forces", "loads", "halo", "erosion", "rebalance", "output")
 
 
 @dataclass

@@ -25,7 +25,7 @@ def call(*words):
 
 
 def test_the_page_shows_one_example_of_each_kind():
-    assert [kind for kind, _ in NAMES] == ["MATERIAL", "EOS", "EROSION", "CONTACT", "OBSERVER"]
+    assert [kind for kind, _ in NAMES] == ["MATERIAL", "EOS", "EROSION", "CONTACT", "LOAD", "OBSERVER"]
 
 
 @pytest.mark.parametrize("number", range(len(EXAMPLES)), ids=[name for _, name in NAMES])

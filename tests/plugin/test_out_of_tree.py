@@ -1,20 +1,14 @@
 """A plugin outside the tree: it builds against the package, loads, computes, and is refused where it does not fit."""
 
 import json
-import os
 import re
 import shutil
-import subprocess
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-HERE = Path(__file__).resolve().parent
-SOURCE = HERE.parents[1]
-BUILD = Path(os.environ.get("KERF_BUILD_DIR", SOURCE / "build")).resolve()
-KERF = BUILD / "bin" / "kerf"
+from plugin_case import BUILD, HERE, KERF, SOURCE, build, cached, call
 
 # A Taylor test: the bar flies against a rigid wall and is upset there.
 CASE = """
@@ -41,16 +35,6 @@ output: {precision: double, results_interval: 5 us, element_fields: [von_mises, 
 """
 
 
-def cached(name):
-    """A variable of the CMake cache that Kerf was built with."""
-    lines = (BUILD / "CMakeCache.txt").read_text().splitlines()
-    return next(line.split("=", 1)[1] for line in lines if line.startswith(name + ":"))
-
-
-def call(*words, cwd=None):
-    return subprocess.run([str(w) for w in words], cwd=cwd, capture_output=True, text=True, timeout=600)
-
-
 def compile_library(source, library, *flags):
     done = call(cached("CMAKE_CXX_COMPILER"), "-std=c++20", "-shared", "-fPIC", "-DKERF_PLUGIN_SHARED",
                 f"-I{SOURCE / 'framework' / 'api'}", *flags, source, "-o", library)
@@ -58,20 +42,9 @@ def compile_library(source, library, *flags):
     return library
 
 
-def build(source, folder):
-    """The plugin of a source folder, built as its author would."""
-    done = call("cmake", "-G", "Ninja", "-S", source, "-B", folder, f"-DKerf_DIR={BUILD}",
-                f"-DCMAKE_CXX_COMPILER={cached('CMAKE_CXX_COMPILER')}")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "refuse to load" not in done.stderr, "compilers differ"
-    done = call("cmake", "--build", folder)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return folder / "swift_material.so"
-
-
 @pytest.fixture(scope="module")
 def plugin(tmp_path_factory):
-    return build(HERE / "out_of_tree", tmp_path_factory.mktemp("plugin"))
+    return build(HERE / "out_of_tree", tmp_path_factory.mktemp("plugin"), "swift_material.so")
 
 
 @pytest.fixture(scope="module")
@@ -132,7 +105,7 @@ def test_pieces_in_a_folder_of_its_name_belong_to_a_plugin(plugin, case, tmp_pat
     law = law.replace(text, "modulus_text()").replace("namespace {", "const char* modulus_text();\n\nnamespace {", 1)
     (source / "swift_material.cpp").write_text(law)
     # Where the piece is missing, a name is unknown and the library is not loaded.
-    library = build(source, tmp_path / "build")
+    library = build(source, tmp_path / "build", "swift_material.so")
     assert "from a piece" in call(KERF, "describe", "swift", "--plugin", library).stdout
     assert run(case, library, tmp_path / "two")["state_hash"] == run(case, plugin, tmp_path / "one")["state_hash"]
 

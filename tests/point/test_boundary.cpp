@@ -59,6 +59,22 @@ TEST(PrescribedMotion, follows_its_table) {
   expect_vector(make_boundary("prescribed_motion", "{velocity: [1, 2, 3]}")->initial({}, {}), {1, 2, 3});
 }
 
+TEST(PrescribedMotion, follows_a_named_curve) {
+  kerf::test::RampTable curves;
+  const auto b =
+      make_law<Boundary>("boundary", "prescribed_motion", "{velocity: [10, 0, 0], curve: ramp}", curves.table());
+  expect_vector(b->constrain({}, {0.5, 0.1}, {1, 2, 3}), {0, 0, 0});
+  expect_vector(b->constrain({}, {1.5, 0.1}, {1, 2, 3}), {10, 0, 0});
+  expect_vector(b->constrain({}, {7.0, 0.1}, {1, 2, 3}), {20, 0, 0});
+  EXPECT_THAT(refusal("boundary", "prescribed_motion",
+                      "{velocity: [10, 0, 0], curve: ramp, times: [0, 1], factors: [1, 1]}", curves.table()),
+              ::testing::HasSubstr("give one or the other"));
+  EXPECT_THAT(refusal("boundary", "prescribed_motion", "{velocity: [10, 0, 0], curve: rampp}", curves.table()),
+              ::testing::HasSubstr("there is no curve \"rampp\"; did you mean `ramp`?"));
+  EXPECT_THAT(refusal("boundary", "prescribed_motion", "{velocity: [10, 0, 0], curve: ramp}"),
+              ::testing::HasSubstr("there is no curve \"ramp\"; declare it in the block `curves`"));
+}
+
 TEST(PrescribedMotion, refuses_a_bad_table) {
   EXPECT_THAT(refusal("boundary", "prescribed_motion", "{velocity: [1, 0, 0], times: [1, 2], factors: [1]}"),
               ::testing::HasSubstr("equal number"));

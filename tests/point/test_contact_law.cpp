@@ -28,11 +28,11 @@ ContactView view_of(const Scene& scene) {
   view.position = scene.position.data();
   view.velocity = scene.velocity.data();
   view.mass = scene.mass.data();
-  view.node_part = scene.node_part.data();
+  view.node_body = scene.node_body.data();
   view.n_facets = static_cast<int>(scene.facet_id.size());
   view.facet_id = scene.facet_id.data();
   view.facet_nodes = scene.facet_nodes.data();
-  view.facet_part = scene.facet_part.data();
+  view.facet_body = scene.facet_body.data();
   view.facet_bulk_modulus = scene.bulk_modulus.data();
   view.facet_volume = scene.volume.data();
   view.facet_edge = scene.edge.data();
@@ -52,11 +52,11 @@ struct Roof {
                                                  0,  0, 1,  0, -1, 0, 1,  1, -1, 0, 0, 0, 0, 0};
   alignas(32) std::array<double, 28> velocity = {};
   std::array<double, 7> mass = {1, 1, 1, 1, 1, 1, 1};
-  std::array<std::int32_t, 7> node_part = {0, 0, 0, 0, 0, 0, 1};
+  std::array<std::int32_t, 7> node_body = {0, 0, 0, 0, 0, 0, 1};
   std::array<std::int64_t, 7> node_id = {0, 1, 2, 3, 4, 5, 6};
   std::array<std::int32_t, 8> facet_nodes = {0, 2, 3, 1, 2, 4, 5, 3};
   std::array<std::int64_t, 2> facet_id = {1, 9};
-  std::array<std::int32_t, 2> facet_part = {0, 0};
+  std::array<std::int32_t, 2> facet_body = {0, 0};
   std::array<double, 2> bulk_modulus = {1e3, 1e3}, volume = {1, 1}, edge = {1, 1};
   std::array<std::int32_t, 1> slave = {6};
   std::array<ContactRow, 1> candidates = {{{0, 2}}}, around = {};
@@ -124,8 +124,8 @@ struct CrossedRoofs {
   std::vector<std::int64_t> node_id;
   std::array<std::int32_t, 16> facet_nodes = {0, 2, 3, 1, 2, 4, 5, 3, 6, 8, 9, 7, 8, 10, 11, 9};
   std::array<std::int64_t, 4> facet_id = {1, 9, 17, 25};
-  std::array<std::int32_t, 4> facet_part = {0, 0, 1, 1};
-  std::array<std::int32_t, 12> node_part = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
+  std::array<std::int32_t, 4> facet_body = {0, 0, 1, 1};
+  std::array<std::int32_t, 12> node_body = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
   std::vector<std::int32_t> slave = {2, 3, 8, 9};
   std::array<double, 4> volume = {4, 4, 4, 4}, edge = {2, 2, 2, 2};
   double down = -1.0;  // velocity of the upper roof

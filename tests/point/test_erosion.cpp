@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "support/oracle.hpp"
 #include "support/points.hpp"
 
 namespace {
@@ -111,6 +112,41 @@ TEST(GeometricStrainErosion, turns_with_the_material) {
   point.judge(stretch);
   EXPECT_NEAR(point.judge(turn).value, 0.2, 1e-15);
   EXPECT_NEAR(point.judge(shrink).value, 0.0, 1e-15);
+}
+
+/// Damage along a path whose plastic strain, rate, temperature and mean stress are given, against the file's own sum.
+double worst_damage(const std::string& name) {
+  const kerf::test::Oracle o(name);
+  auto point = make_point("johnson_cook_damage",
+                          "{D1: 0.05, D2: 3.44, D3: -2.12, D4: 0.002, D5: 0.61, melting_temperature: 1793 K}");
+  double worst = 0.0, last = 0.0;
+  for (std::size_t r = 1; r < o.n_rows(); ++r) {
+    const double q = o.column("von_mises_Pa")[r], mean = o.column("mean_stress_Pa")[r];
+    const double strain = o.column("effective_plastic_strain")[r], rate = o.column("plastic_strain_rate_1_s")[r];
+    ErosionInputPoint in;
+    in.pressure = -mean;
+    in.stress = {mean + q * 2.0 / 3.0, mean - q / 3.0, mean - q / 3.0, 0.0, 0.0, 0.0};
+    // The law finds the rate of the plastic strain itself: the step has to be the one that gives the file's.
+    in.dt = rate > 0.0 ? (strain - last) / rate : 1.0;
+    last = strain;
+    worst = std::max(worst, std::fabs(point.judge(in, {strain, o.column("temperature_K")[r]}).value -
+                                      std::min(o.column("johnson_cook_damage")[r], 1.0)));
+  }
+  return worst;
+}
+
+TEST(JohnsonCookDamage, adds_up_along_a_path) {
+  // Rows are coarse: the failure strain at the end of each stands for its mean, which makes an error of half a row.
+  EXPECT_LT(worst_damage("failure_shear"), 5e-3);
+  EXPECT_LT(worst_damage("failure_uniaxial_tension"), 5e-3);
+}
+
+TEST(JohnsonCookDamage, softens_beyond_the_critical_damage) {
+  const auto law = make_law<ErosionCriterion>("erosion", "johnson_cook_damage",
+                                              "{D1: 1, D2: 0, D3: 0, softening: stress, critical_damage: 0.5, "
+                                              "softening_exponent: 2}");
+  EXPECT_TRUE(law->softens());
+  EXPECT_FALSE(make_law<ErosionCriterion>("erosion", "johnson_cook_damage", "{D1: 1, D2: 0, D3: 0}")->softens());
 }
 
 }  // namespace

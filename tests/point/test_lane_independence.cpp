@@ -25,7 +25,10 @@ const std::map<std::string, std::string> materials = {
     {"johnson_cook",
      "{shear_modulus: 79.6e9, A: 806e6, B: 614e6, n: 0.168, C: 0.0089, m: 1.1, reference_temperature: 293.15, "
      "melting_temperature: 1813.15, specific_heat: 460}"},
-    {"mixed_hardening", "{shear_modulus: 80e9, yield_stress: 4e8, hardening_modulus: 5e9, isotropic_share: 0.3}"}};
+    {"mixed_hardening", "{shear_modulus: 80e9, yield_stress: 4e8, hardening_modulus: 5e9, isotropic_share: 0.3}"},
+    {"zerilli_armstrong",
+     "{shear_modulus: 80e9, C0: 65e6, C1: 1033e6, C3: 0.00698, C4: 0.000415, C5: 266e6, n: 0.289, specific_heat: "
+     "452}"}};
 const std::map<std::string, std::string> solids = {
     {"johnson_holmquist_2",
      "{shear_modulus: 80e9, A: 0.93, B: 0.31, C: 0.01, M: 0.6, N: 0.6, tensile_strength: 0.2e9, "

@@ -61,7 +61,8 @@ def test_links_lead_somewhere():
 
 
 def test_laws_link_to_their_equations():
-    for kind in ("boundary", "contact", "element", "eos", "erosion", "material", "measure", "observer", "partitioner"):
+    for kind in ("boundary", "contact", "element", "eos", "erosion", "load", "material", "measure", "observer",
+                 "partitioner"):
         found = list((COMMITTED / kind).glob("*.md"))
         assert found, kind
         for page in found:

@@ -8,7 +8,7 @@ import pytest
 import stored_hashes
 
 # Kinds of plugins that a hash depends on. Partitioners do not count: test_state_hash.py shows that they change nothing.
-KINDS = ("boundary", "contact", "element", "eos", "erosion", "material", "mesh")
+KINDS = ("boundary", "contact", "element", "eos", "erosion", "load", "material", "mesh")
 RENEW = "after a change of physics on purpose: python tests/regression/stored_hashes.py --renew"
 
 

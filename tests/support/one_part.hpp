@@ -19,9 +19,10 @@
 
 namespace kerf::test {
 
-struct HexMesh {
+struct CellMesh {
   std::vector<Vec3> x;  // [m]
-  std::vector<std::array<std::int32_t, 8>> elements;
+  std::vector<std::array<std::int32_t, 8>> elements;  // as many entries count as the shape has nodes
+  const Shape* shape = &hexahedron;
 };
 
 /// Corners of the reference cube in the order of an element's nodes.
@@ -29,8 +30,8 @@ inline constexpr int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1,
                                      {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
 
 /// A block of `nx` x `ny` x `nz` cubes of edge `size`, every node moved by up to `distortion` edges per direction.
-inline HexMesh distorted_block(int nx, int ny, int nz, double size, double distortion, unsigned seed) {
-  HexMesh mesh;
+inline CellMesh distorted_block(int nx, int ny, int nz, double size, double distortion, unsigned seed) {
+  CellMesh mesh;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> shift(-distortion, distortion);
   const auto node = [&](int i, int j, int k) { return (i * (ny + 1) + j) * (nz + 1) + k; };
@@ -50,22 +51,23 @@ inline HexMesh distorted_block(int nx, int ny, int nz, double size, double disto
 }
 
 /// One element of that kind.
-inline HexMesh distorted_element(double size, double distortion, unsigned seed) {
+inline CellMesh distorted_element(double size, double distortion, unsigned seed) {
   return distorted_block(1, 1, 1, size, distortion, seed);
 }
 
-/// Volume of an element from its surface alone: a third of the integral of x . n over the six bilinear faces.
-inline double volume_by_divergence(const HexMesh& mesh, const std::array<std::int32_t, 8>& element) {
+/// Volume of an element from its surface alone: a third of the integral of x . n over its bilinear faces. A triangle is
+/// one of them whose last two corners coincide.
+inline double volume_by_divergence(const CellMesh& mesh, const std::array<std::int32_t, 8>& element) {
   const double g = 1.0 / std::sqrt(3.0);  // two points integrate the products of bilinear functions exactly
   const Vec3 origin = mesh.x[element[0]];
   double sum = 0.0;
-  for (const auto& f : hexahedron.face)
+  for (int face = 0; face < mesh.shape->n_faces; ++face)
     for (const double a : {-g, g})
       for (const double b : {-g, g}) {
         Vec3 x, along_a, along_b;
         constexpr int at[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
         for (int k = 0; k < 4; ++k) {
-          const Vec3 p = mesh.x[element[f[k]]] - origin;
+          const Vec3 p = mesh.x[element[mesh.shape->face[face][k]]] - origin;
           x = x + p * (0.25 * (1.0 + at[k][0] * a) * (1.0 + at[k][1] * b));
           along_a = along_a + p * (0.25 * at[k][0] * (1.0 + at[k][1] * b));
           along_b = along_b + p * (0.25 * at[k][1] * (1.0 + at[k][0] * a));
@@ -93,11 +95,12 @@ class PartOf {
   double force_quantum = quantum;  // [N]
   const std::uint8_t* exposed_faces = nullptr;  // per element, for initialise
 
-  explicit PartOf(const HexMesh& mesh, const PartLaws& laws = {})
+  /// With hex8, or with another element, which then has its parameters already.
+  explicit PartOf(const CellMesh& mesh, const PartLaws& laws = {}, std::unique_ptr<Element> element = nullptr)
       : x(mesh.x),
         v(mesh.x.size()),
         elements_(mesh.elements),
-        element_(make_law<Element>("element", "hex8", laws.element)),
+        element_(element ? std::move(element) : make_law<Element>("element", "hex8", laws.element)),
         laws_(make(laws)),
         store_(0, *element_, variables(laws_), is_single ? Precision::single_precision : Precision::double_precision),
         density_(laws.density) {
@@ -111,7 +114,8 @@ class PartOf {
     }
     // The dummy nodes form a cube that is larger than any element, so that it never sets the time step.
     const double edge = 16.0 * std::cbrt(volume_by_divergence(mesh, elements_[0]));
-    store_.set_dummies(static_cast<std::int32_t>(x.size()), density_ * edge * edge * edge, edge * edge * edge);
+    const double volume = element_->volume(reference_cell(element_->shape(), edge));
+    store_.set_dummies(static_cast<std::int32_t>(x.size()), density_ * volume, volume);
     position_.resize(4 * (x.size() + 8));
     velocity_.resize(position_.size());
     force_.resize(position_.size());
@@ -207,9 +211,10 @@ class PartOf {
     return all;
   }
   /// State of an element before the first step.
-  void start(const HexMesh& mesh, const std::array<std::int32_t, 8>& nodes, double length, double* record) const {
+  void start(const CellMesh& mesh, const std::array<std::int32_t, 8>& nodes, double length, double* record) const {
     InitialPoint point{{}, length, density_};
-    for (const std::int32_t n : nodes) point.position = point.position + mesh.x[n] * 0.125;
+    for (int k = 0; k < mesh.shape->n_nodes; ++k)
+      point.position = point.position + mesh.x[nodes[k]] * (1.0 / mesh.shape->n_nodes);
     laws_.stress_law().initialise(point, record + store_.offset(PartStore::material_state));
     if (laws_.eos) laws_.eos->initialise(point, record + store_.offset(PartStore::eos_state));
     double* place = record + store_.offset(PartStore::place);

@@ -96,7 +96,7 @@ std::map<std::string, CurveError> follow(const Oracle& oracle, const PartLaws& l
                                          const std::map<std::string, std::string>& names,
                                          const std::vector<std::size_t>& skipped) {
   const double edge = oracle.path.at("edge_m").get<double>();
-  HexMesh mesh = distorted_block(1, 1, 1, edge, 0.0, 1);
+  CellMesh mesh = distorted_block(1, 1, 1, edge, 0.0, 1);
   OnePart part(mesh, laws);
   part.initialise();
   std::vector<std::string> compared;

@@ -91,20 +91,29 @@ class ErosionPoint {
   }
 
   /// `read` is the value of the one variable that the criterion reads, if any.
-  Verdict judge(const ErosionInputPoint& in, double read = 0.0) {
-    double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[5][lane_width];
+  Verdict judge(const ErosionInputPoint& in, double read = 0.0) { return judge(in, std::vector<double>{read}); }
+  Verdict judge(const ErosionInputPoint& in, const std::vector<double>& read) {
+    double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
+    double strength[lane_width], tension[lane_width];
+    std::vector<double> read_rows;
+    for (const double value : read) read_rows.insert(read_rows.end(), lane_width, value);
+    std::vector<const double*> reads;
+    for (std::size_t r = 0; r < read.size(); ++r) reads.push_back(read_rows.data() + r * lane_width);
     double value[lane_width], failed[lane_width];
     const Rotation& r = in.rotation;
     const double turn[9] = {r.xx, r.xy, r.xz, r.yx, r.yy, r.yz, r.zx, r.zy, r.zz};
-    const double scalars[5] = {in.pressure, in.density_ratio, in.volume_ratio, in.time_step, read};
+    const double scalars[4] = {in.pressure, in.density_ratio, in.volume_ratio, in.time_step};
     for (int l = 0; l < lane_width; ++l) {
       detail::set_tensor(stress, l, in.stress);
       detail::set_tensor(strain, l, in.strain_increment);
       for (int k = 0; k < 9; ++k) rotation[k][l] = turn[k];
-      for (int k = 0; k < 5; ++k) rest[k][l] = scalars[k];
+      for (int k = 0; k < 4; ++k) rest[k][l] = scalars[k];
     }
-    const double* reads[] = {rest[4]};
     ErosionBatch b;
+    b.dt = in.dt;
+    b.time = in.time;
+    b.strength = strength;
+    b.tension = tension;
     b.stress = stress;
     b.strain_increment = strain;
     b.rotation = rotation;
@@ -112,7 +121,7 @@ class ErosionPoint {
     b.density_ratio = rest[1];
     b.volume_ratio = rest[2];
     b.time_step = rest[3];
-    b.reads = reads;
+    b.reads = reads.data();
     b.state = state_.data();
     b.value = value;
     b.failed = failed;

@@ -428,6 +428,29 @@ TEST(PartMomentum, and_kinetic_energy_take_all_nodes_of_the_part) {
   EXPECT_NEAR(Maker("kinetic_energy").text("part", "rod").evaluate(model).at(""), 12.5 * mass, 1e-12);
 }
 
+TEST(Measures, divide_a_shared_node_between_its_parts_by_what_they_give_to_its_mass) {
+  MeasureModel model;
+  model.parts = {"rod", "other", "third"};
+  model.initial_mass = {1.0, 1.0, 1.0};
+  // A node of the rod alone, one that all parts share, and a shared one that was dropped.
+  model.nodes = {{0, 0, false, 2.0, {0, 0, 0}, {0, 0, 0}, {1, 0, 0}},
+                 {1, 0, false, 6.0, {0, 0, 1}, {0, 0, 1}, {0, 0, 10}},
+                 {2, 0, true, 0.0, {0, 0, 2}, {0, 0, 2}, {0, 0, 0}}};
+  model.nodes[1].first_share = 0;
+  model.nodes[2].first_share = 3;
+  model.shares = {{1, 0, 1.0}, {1, 1, 2.0}, {1, 2, 3.0}, {2, 0, 4.0}, {2, 1, 4.0}};
+  const auto momentum = [&](const char* part) { return Maker("part_momentum").text("part", part).evaluate(model); };
+  EXPECT_EQ(momentum("rod").at("x"), 2.0);
+  EXPECT_EQ(momentum("rod").at("z"), 10.0);
+  EXPECT_EQ(momentum("other").at("z"), 20.0);
+  EXPECT_EQ(momentum("third").at("z"), 30.0);
+  EXPECT_EQ(Maker("kinetic_energy").text("part", "third").evaluate(model).at(""), 150.0);
+  EXPECT_TRUE(model.belongs_to(model.nodes[1], 2));
+  EXPECT_FALSE(model.belongs_to(model.nodes[0], 2));
+  EXPECT_FALSE(model.belongs_to(model.nodes[2], 2));
+  EXPECT_EQ(model.mass_in(model.nodes[2], 1), 0.0);
+}
+
 // ---- the Taylor bar ----
 
 TEST(FinalLength, and_largest_radius_measure_a_mushroom) {

@@ -14,26 +14,33 @@ constexpr double tolerance = 1e-6;  // a millionth of cells of length one
 /// What the tolerance may take off the volume of cells whose surface is about ten.
 constexpr double loss = 10.0 * tolerance;
 
-HexCorners brick(Vec3 low, Vec3 high) {
-  return {Vec3{low.x, low.y, low.z},  {high.x, low.y, low.z},  {high.x, high.y, low.z},  {low.x, high.y, low.z},
-          Vec3{low.x, low.y, high.z}, {high.x, low.y, high.z}, {high.x, high.y, high.z}, {low.x, high.y, high.z}};
+Cell brick(Vec3 low, Vec3 high) {
+  return {&hexahedron,
+          {Vec3{low.x, low.y, low.z},
+           {high.x, low.y, low.z},
+           {high.x, high.y, low.z},
+           {low.x, high.y, low.z},
+           Vec3{low.x, low.y, high.z},
+           {high.x, low.y, high.z},
+           {high.x, high.y, high.z},
+           {low.x, high.y, high.z}}};
 }
 
-HexCorners turned(HexCorners x, double angle, Vec3 about) {
+Cell turned(Cell x, double angle, Vec3 about) {
   const double c = std::cos(angle), s = std::sin(angle);
-  for (Vec3& p : x) {
+  for (Vec3& p : x.x) {
     const Vec3 d = p - about;
     p = Vec3{c * d.x - s * d.y, s * d.x + c * d.y, d.z} + about;
   }
   return x;
 }
 
-double shared(const HexCorners& a, const HexCorners& b) {
+double shared(const Cell& a, const Cell& b) {
   return shared_volume(a, FacePlanes(a), b, FacePlanes(b), tolerance).volume;
 }
 
 TEST(SharedVolume, of_bricks_is_their_common_box) {
-  const HexCorners a = brick({0, 0, 0}, {1, 1, 1}), b = brick({0.7, -0.5, 0.25}, {1.5, 0.5, 0.75});
+  const Cell a = brick({0, 0, 0}, {1, 1, 1}), b = brick({0.7, -0.5, 0.25}, {1.5, 0.5, 0.75});
   const SharedVolume s = shared_volume(a, FacePlanes(a), b, FacePlanes(b), tolerance);
   EXPECT_NEAR(s.volume, 0.3 * 0.5 * 0.5, loss);
   EXPECT_NEAR(s.low.x, 0.7, 2 * tolerance);
@@ -56,13 +63,13 @@ TEST(SharedVolume, of_bars_that_cross) {
 }
 
 TEST(SharedVolume, of_squares_turned_by_an_eighth_is_an_octagon) {
-  const HexCorners a = brick({0, 0, 0}, {1, 1, 1}), b = turned(a, std::atan(1.0), {0.5, 0.5, 0.0});
+  const Cell a = brick({0, 0, 0}, {1, 1, 1}), b = turned(a, std::atan(1.0), {0.5, 0.5, 0.0});
   EXPECT_NEAR(shared(a, b), 2.0 * (std::sqrt(2.0) - 1.0), loss);
 }
 
 TEST(SharedVolume, is_nothing_where_cells_touch_or_are_apart) {
-  const HexCorners a = brick({0, 0, 0}, {1, 1, 1});
-  for (const HexCorners& b :
+  const Cell a = brick({0, 0, 0}, {1, 1, 1});
+  for (const Cell& b :
        {brick({1, 0, 0}, {2, 1, 1}), brick({1, 1, 0}, {2, 2, 1}), brick({1, 1, 1}, {2, 2, 2}),
         brick({1, -3, -3}, {4, 3, 3}), brick({1 - 0.5 * tolerance, 0, 0}, {2, 1, 1}), brick({1.1, 0, 0}, {2, 1, 1})}) {
     EXPECT_EQ(shared(a, b), 0.0);
@@ -72,12 +79,12 @@ TEST(SharedVolume, is_nothing_where_cells_touch_or_are_apart) {
 
 /// Ten times deeper than the tolerance: the edge of a turned cube in a face.
 TEST(SharedVolume, sees_an_edge_that_is_hardly_inside) {
-  const HexCorners a = brick({0, 0, 0}, {1, 1, 1});
+  const Cell a = brick({0, 0, 0}, {1, 1, 1});
   const double half = std::sqrt(0.5);
-  const HexCorners b = turned(brick({0, 0, 0}, {1, 1, 1}), std::atan(1.0), {0.5, 0.5, 0.0});
-  HexCorners near = b, apart = b;
-  for (Vec3& p : near) p = p + Vec3{0.5 + half - 10.0 * tolerance, 0, 0};
-  for (Vec3& p : apart) p = p + Vec3{0.5 + half, 0, 0};
+  const Cell b = turned(brick({0, 0, 0}, {1, 1, 1}), std::atan(1.0), {0.5, 0.5, 0.0});
+  Cell near = b, apart = b;
+  for (Vec3& p : near.x) p = p + Vec3{0.5 + half - 10.0 * tolerance, 0, 0};
+  for (Vec3& p : apart.x) p = p + Vec3{0.5 + half, 0, 0};
   EXPECT_GT(shared(a, near), 0.0);
   EXPECT_GT(shared(near, a), 0.0);
   EXPECT_EQ(shared(a, apart), 0.0);
@@ -88,9 +95,9 @@ TEST(SharedVolume, agrees_with_counting_points) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> in(-0.6, 0.6), turn(0.0, 6.0);
   for (int round = 0; round < 20; ++round) {
-    const HexCorners a = brick({0, 0, 0}, {1, 1, 1});
+    const Cell a = brick({0, 0, 0}, {1, 1, 1});
     const Vec3 shift{in(random), in(random), in(random)};
-    const HexCorners b = turned(brick(shift, shift + Vec3{1, 1, 1}), turn(random), {0.5, 0.5, 0.5});
+    const Cell b = turned(brick(shift, shift + Vec3{1, 1, 1}), turn(random), {0.5, 0.5, 0.5});
     const FacePlanes planes(b);
     constexpr int n = 40;
     int inside = 0;

@@ -70,7 +70,20 @@ struct Pyramid final : Element {
   void initialise(ElementWork&) const override {}
 };
 
+/// All of space.
+struct Everything final : SpatialDecomposition {
+  void build(MPI_Comm, const std::vector<double>&, const std::vector<double>&) override {}
+  int owner(Vec3) const override { return 0; }
+  void owners(Vec3, Vec3, std::vector<int>& ranks) const override { ranks = {0}; }
+};
+
+struct NoSpace final : Partitioner {
+  static void describe(Schema<NoSpace>&) {}
+  std::vector<int> partition(const PartitionProblem&) override { return {}; }
+};
+
 struct OneRank final : Partitioner {
+  std::unique_ptr<SpatialDecomposition> spatial() const override { return std::make_unique<Everything>(); }
   static void describe(Schema<OneRank>&) {}
   std::vector<int> partition(const PartitionProblem&) override { return {}; }
 };
@@ -100,6 +113,7 @@ class Validate : public testing::Test {
     registry.add_type<SmallBrick>("element", "small_brick", "", "");
     registry.add_type<Pyramid>("element", "pyramid", "", "");
     registry.add_type<OneRank>("partitioner", "zoltan_rcb", "", "");
+    registry.add_type<NoSpace>("partitioner", "no_space", "", "");
     registry.add_type<Speed>("measure", "speed", "", "");
     registry.add_type<Clamp>("boundary", "clamp", "", "");
     registry.add_type<Linear>("boundary", "impostor", "", "");
@@ -160,6 +174,13 @@ TEST_F(Validate, finds_meshes_of_another_shape_than_the_element) {
   EXPECT_EQ(errors({"parts.rod.element={type: pyramid}"}),
             Lines{"a.yaml:5:9: error: the mesh of part `rod` is made of cells of the shape hexahedron, and the element "
                   "pyramid is a pyramid; expected one shape"});
+}
+
+TEST_F(Validate, finds_a_partitioner_that_cannot_serve_contact) {
+  EXPECT_EQ(errors({"balance.partitioner={type: no_space}"}), Lines{});
+  EXPECT_EQ(errors({"balance.contact_partitioner={type: no_space}"}),
+            Lines{"--set balance.contact_partitioner={type: no_space}: error: no_space does not divide space between "
+                  "ranks, as contact needs it; expected one that does, such as zoltan_rcb"});
 }
 
 TEST_F(Validate, finds_a_part_and_a_set_of_one_name) {

@@ -33,11 +33,11 @@ struct ContactView {
   const std::int64_t* node_id = nullptr;
   const double *position = nullptr, *velocity = nullptr;  // predicted [m], [m/s]
   const double* mass = nullptr;  // [kg]
-  const std::int32_t* node_part = nullptr;
+  const std::int32_t* node_body = nullptr;  // a part, or all parts that are joined with one another: the first of them
   int n_facets = 0;
-  const std::int64_t* facet_id = nullptr;  // element id * 8 + face
+  const std::int64_t* facet_id = nullptr;  // number of the element * 8 + face; elements are numbered body by body
   const std::int32_t* facet_nodes = nullptr;  // [facet][4], counter-clockwise from outside
-  const std::int32_t* facet_part = nullptr;
+  const std::int32_t* facet_body = nullptr;
   const double* facet_bulk_modulus = nullptr;  // of the undeformed material [Pa]
   const double* facet_volume = nullptr;  // of the undeformed element [m3]
   const double* facet_edge = nullptr;  // longest one of the undeformed facet [m]

@@ -118,6 +118,9 @@ class Element : public Law {
  public:
   /// Which nodes the element has, and which of them make its faces. The mesh of a part must have the same shape.
   virtual const Shape& shape() const = 0;
+  /// Volume of an element [m3], as the element itself will compute it: its mass follows from it. Not positive where the
+  /// element is inside out.
+  virtual double volume(const CellCorners& x) const { return volume_by_faces(shape(), x); }
   /// Integrates one step of all blocks and adds their forces.
   virtual void add_internal_forces(ElementWork& work) const = 0;
   /// Sets volume, pressure and the stable step, and adds the forces of an initial pressure. For the first cycle.

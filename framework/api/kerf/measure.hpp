@@ -19,11 +19,18 @@ struct MeasureModel {
   std::vector<std::string> parts;
   struct Node {
     std::int64_t id = 0;
-    int part = 0;
+    int part = 0;  // of several parts that share the node, the first; see belongs_to() and mass_in()
     bool free = false;  // no live element left
     double mass = 0.0;  // [kg]
     Vec3 reference;  // undeformed position [m]
     Vec3 position, velocity;  // [m], [m/s]
+    std::int32_t first_share = -1;  // index into `shares`, where those of the node follow one another; -1 for none
+  };
+  /// A part that shares a node with others, and what its undeformed elements give to the node's mass.
+  struct Share {
+    std::int64_t node = 0;
+    int part = 0;
+    double mass = 0.0;  // [kg]
   };
   struct Element {
     std::int64_t id = 0;
@@ -36,10 +43,29 @@ struct MeasureModel {
   static std::span<const std::int32_t> nodes_of(const Element& e) {
     return {e.nodes.data(), static_cast<std::size_t>(e.shape->n_nodes)};
   }
+  /// Whether elements of a part touch a node, or did before they eroded.
+  bool belongs_to(const Node& n, int part) const { return share_of(n, part) != nullptr || unshared_in(n, part); }
+  /// The mass of a node that comes from a part [kg]: sums over all nodes of it are exact for parts that share nodes.
+  double mass_in(const Node& n, int part) const {
+    const Share* share = share_of(n, part);
+    if (share != nullptr) return n.mass > 0.0 ? share->mass : 0.0;
+    return unshared_in(n, part) ? n.mass : 0.0;
+  }
   std::vector<Node> nodes;
+  std::vector<Share> shares;  // of nodes that several parts share, by node and part
   std::vector<Element> elements;  // live ones
   std::vector<Element> eroded;  // elements that have eroded, with mass zero
   std::vector<double> initial_mass;  // per part [kg]
+
+ private:
+  static bool unshared_in(const Node& n, int part) { return n.first_share < 0 && n.part == part; }
+  const Share* share_of(const Node& n, int part) const {
+    if (n.first_share < 0) return nullptr;
+    const auto first = static_cast<std::size_t>(n.first_share);
+    for (std::size_t k = first; k < shares.size() && shares[k].node == shares[first].node; ++k)
+      if (shares[k].part == part) return &shares[k];
+    return nullptr;
+  }
 };
 
 /// One number of a measure, or the reason why there is none.

@@ -23,7 +23,8 @@ namespace kerf {
 struct ObservedNodes {
   int n = 0;
   const std::int64_t* id = nullptr;
-  const std::int32_t* part = nullptr;
+  const std::int32_t* part =
+      nullptr;  // of several parts that share the node, the first: see ObservedModel::belongs_to()
   const std::uint8_t *owned = nullptr, *free = nullptr;  // free: no live element is left round it
   const double* mass = nullptr;  // [kg]; zero where the node was dropped
   const double *position = nullptr, *velocity = nullptr;  // four entries per node, the fourth one spare
@@ -32,7 +33,7 @@ struct ObservedNodes {
 
   Vec3 x(int i) const { return vector(position, i); }  // at the end of the step [m]
   Vec3 v(int i) const { return vector(velocity, i); }  // at the middle of the step [m/s]
-  /// Sum of all forces that will drive the coming step: of elements and contact [N]. Zero before the forces.
+  /// Sum of all forces that will drive the coming step: of elements, loads and contact [N]. Zero before the forces.
   Vec3 force(int i) const {
     const std::int64_t* q = force_quanta + 4 * static_cast<std::ptrdiff_t>(i);
     return Vec3{static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])} * force_quantum;
@@ -54,6 +55,7 @@ struct ObservedPart {
   double density = 0.0;  // [kg/m3] undeformed
   double energy =
       0.0;  // internal energy per mass at the start, which the field internal_energy does not contain [J/kg]
+  int body = 0;  // index of the first part that the input joins with it, directly or through others; its own if none
 };
 
 /// What a boundary condition has done to the nodes since time zero.
@@ -100,14 +102,18 @@ class ObservedModel {
   }
   /// Another number whenever nodes or elements came to this rank, left it, died, or changed places.
   virtual std::int64_t arrangement() const = 0;
-  /// Where a node was in the undeformed model, after placement [m].
-  virtual Vec3 reference(std::int64_t node_id) const = 0;
+  /// Where a node of this rank was in the undeformed model, after placement [m].
+  virtual Vec3 reference(int node) const = 0;
+  /// Whether elements of a part touch a node of this rank, or did before they eroded.
+  virtual bool belongs_to(int node, int part) const = 0;
   /// Kinetic energy of every node of this rank at the time of the model, as the energy balance counts it; zero for
   /// nodes that another rank owns [J]. Only in sample().
   virtual std::span<const double> kinetic_energy() = 0;
   /// The share of contact in the force of every node of this rank; zero for nodes that another rank owns [N]. From
   /// after_forces() on.
   virtual std::span<const Vec3> contact_force() = 0;
+  /// The same of all loads of the input.
+  virtual std::span<const Vec3> load_force() = 0;
 
   /// Global ids of the live elements of a part on this rank, in an order that means nothing.
   virtual std::span<const std::int64_t> elements(int part) const = 0;
@@ -127,6 +133,10 @@ class ObservedModel {
   /// A field of output.node_fields of one node of this rank.
   virtual std::vector<double> node_field(int node, const std::string& name) const = 0;
 
+  /// The mass of every node of this rank that comes from a part; zero for nodes that another rank owns, for nodes of
+  /// other parts, and for nodes that were dropped [kg]. Of a node that parts share it is what the undeformed elements
+  /// of the part give to it, so that sums over parts count each node once. Collective.
+  virtual std::vector<double> mass_in(int part) = 0;
   /// Sums over all terms of all ranks, list by list; NaN where a term is not finite. Collective.
   virtual std::vector<double> sums(const std::vector<std::span<const double>>& lists) = 0;
   /// Greatest and least values of all ranks, entry by entry; NaN counts as nothing. Collective.
@@ -174,7 +184,7 @@ class Observer : public Plugin {
   virtual std::vector<ObservedColumn> columns() const { return {}; }
   /// Positions, velocities of the step, no forces yet.
   virtual void before_forces(ObservedModel&) {}
-  /// Forces of elements and contact are there; what fails in this step is still alive.
+  /// Forces of elements, loads and contact are there; what fails in this step is still alive.
   virtual void after_forces(ObservedModel&) {}
   /// The step is complete.
   virtual void after_step(ObservedModel&) {}

@@ -156,4 +156,6 @@ class Registrar {
 #define KERF_PARTITIONER(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "partitioner", name, summary))
 #define KERF_MEASURE(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "measure", name, summary))
 #define KERF_BOUNDARY(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "boundary", name, summary))
+#define KERF_MESH(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "mesh", name, summary))
+#define KERF_LOAD(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "load", name, summary))
 #define KERF_OBSERVER(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "observer", name, summary))

@@ -20,6 +20,7 @@
 
 namespace kerf {
 
+class Curve;
 class Description;
 
 /// Base of everything that an input file can create by name.
@@ -68,6 +69,7 @@ enum class ValueKind {
   plugin,  // map with `type:` naming a plugin of kind `plugin_kind`
   plugin_list,  // list of those
   plugin_map,  // map from a user's name to those
+  curve,  // name of a curve in `curves`
 };
 
 /// One key that may stand in a block of the input.
@@ -96,6 +98,7 @@ struct Parameter {
   /// Address of the nested object to fill; `key` is the user's name in a block_map, else empty.
   std::function<void*(void* target, const std::string& key)> open_block;
   std::function<void(void* target, const std::string& key, std::unique_ptr<Plugin>)> set_plugin;
+  std::function<void(void* target, const Curve*)> set_curve;
 };
 
 /// A quantity that a law keeps per point; the framework allocates, migrates, restarts and writes it.
@@ -315,6 +318,14 @@ class Schema {
   ParameterHandle plugin_map(std::vector<std::unique_ptr<Base>> Owner::*member, std::string name, std::string kind,
                              std::string doc) {
     return plugins(ValueKind::plugin_map, member, std::move(name), std::move(kind), std::move(doc));
+  }
+
+  /// A named curve of the input, see kerf/curve.hpp. The member is null where an optional one is absent.
+  template <class Owner>
+  ParameterHandle curve(const Curve* Owner::*member, std::string name, std::string doc) {
+    Parameter& p = add(ValueKind::curve, std::move(name), "-", std::move(doc));
+    p.set_curve = [member](void* t, const Curve* c) { static_cast<T*>(t)->*member = c; };
+    return ParameterHandle(p);
   }
 
   /// A state variable: a double in the law's `State`, which holds nothing but doubles.

@@ -113,19 +113,28 @@ class SolidKernel {
   };
 
   /// Forces on all nodes but the last, in quanta; hourglass control adds to them in a function that hides this one.
-  /// `alive` is 1, or 0 in lanes whose elements get no forces.
-  [[gnu::always_inline]] void find_forces(const Work& w, int, int, const Piece& p, const Strain&, V alive, Totals&,
-                                          V (&force)[3][n_nodes]) const {
+  /// `alive` is 1, or 0 in lanes whose elements get no forces. Returns the sum of `sizes_of` the three directions,
+  /// taken while the forces are still in registers.
+  [[gnu::always_inline]] V find_forces(const Work& w, int, int, const Piece& p, const Strain&, V alive, Totals&,
+                                       V (&force)[3][n_nodes]) const {
     const V scale = alive * static_cast<Real>(w.scale.per_quantum);
     V sigma[3][3];
     total_stress(p, sigma);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) sigma[i][j] *= scale;
     Formulation::forces_of_stress(p.k, sigma, force);
+    return sizes_of(force[0]) + sizes_of(force[1]) + sizes_of(force[2]);
   }
 
  protected:
   static constexpr bool is_single = std::is_same_v<Real, float>;
+
+  /// Sum of the sizes of the forces on all nodes but the last, in one direction.
+  [[gnu::always_inline]] static V sizes_of(const V (&force)[n_nodes]) {
+    V size{};
+    for (int n = 0; n < n_nodes - 1; ++n) size += abs_of(force[n]);
+    return size;
+  }
 
   /// Stress with the pressure of the bulk viscosity [Pa].
   [[gnu::always_inline]] static void total_stress(const Piece& p, V (&sigma)[3][3]) {
@@ -186,14 +195,15 @@ class SolidKernel {
   }
 
   /// Freedom to breathe: an element has 3 K where a plane wave has K + 4G/3. With neighbours behind all its faces it
-  /// has none. Corners of bodies that are thicker than a cell have 3 faces exposed, and at Poisson's ratio 1/2 a
-  /// quarter of the freedom; corners of sheets have 4 and two quarters, ends of bars 5 and three, single cells 6 and
-  /// all of it.
+  /// has none. Hexahedra at corners of bodies that are thicker than a cell have 3 faces exposed, and at Poisson's ratio
+  /// 1/2 a quarter of the freedom; at corners of sheets they have 4 and two quarters, at ends of bars 5 and three, and
+  /// alone 6 and all of it. In other shapes, too, the freedom grows from the third exposed face to the last.
   [[gnu::always_inline]] void store_free_share(Work& w, int block, int lane) const {
     V share{};
     for (int l = 0; l < lanes_of<Real>; ++l) {
       const int exposed = w.exposed_faces ? w.exposed_faces[block * lane_width + lane + l] : 0;
-      share[l] = free_element_ ? Real(1.0) : Real(0.25) * static_cast<Real>(std::max(exposed - 2, 0));
+      share[l] =
+          free_element_ ? Real(1.0) : Real(1.0 / (Motion::n_faces - 2)) * static_cast<Real>(std::max(exposed - 2, 0));
     }
     store_lanes(state_at(w, block, free_share, lane), share);
   }
@@ -456,10 +466,8 @@ class SolidKernel {
   /// The last node takes minus the others' sum, so that an element's forces add up to nothing exactly.
   [[gnu::always_inline]] void add_forces(Work& w, int block, int lane, const Piece& p, const Strain& step, V alive,
                                          Totals& totals) const {
-    V force[3][n_nodes], size{};
-    static_cast<const Formulation&>(*this).find_forces(w, block, lane, p, step, alive, totals, force);
-    for (int i = 0; i < 3; ++i)
-      for (int n = 0; n < n_nodes - 1; ++n) size += abs_of(force[i][n]);
+    V force[3][n_nodes];
+    const V size = static_cast<const Formulation&>(*this).find_forces(w, block, lane, p, step, alive, totals, force);
     const std::int32_t* nodes = nodes_of(w, block, lane);
     if (mask_of(size < static_cast<Real>(small_limit)) == all_lanes_of<Real>) [[likely]]
       scatter_forces<true>(w, nodes, force);

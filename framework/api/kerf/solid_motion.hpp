@@ -15,11 +15,11 @@ namespace kerf {
 /// What SolidKernel asks of an element's geometry and motion at the end of a step. B_iI is the mean gradient times the
 /// volume: the derivative of the volume by coordinate i of node I [m2]. A formulation derives its own from it, with
 ///   V rate(int i, int j) const: the sum over the nodes of v_i B_j [m3/s].
-template <class Real, int nodes>
+template <class Real, const Shape& shape>
 struct SolidMotion {
   using V = LanesOf<Real>;
-  static constexpr int n_nodes = nodes;
-  static constexpr int newest_node = nodes - 1;  // most often in no element before; a guess, which only costs time
+  static constexpr int n_nodes = shape.n_nodes, n_faces = shape.n_faces;
+  static constexpr int newest_node = n_nodes - 1;  // most often in no element before; a guess, which only costs time
   V volume;  // [m3]
   V velocity_gradient[3][3];  // by the positions at the end of the step; SolidKernel sets it [1/s]
   V gradient_norm;  // sum of all B squared [m4]
@@ -67,19 +67,19 @@ template <class Real>
 
 /// The length that a plane wave crosses in the greatest stable step, V / sqrt(n/4 lambda_max(B B^T)) with n nodes,
 /// and the trace of B B^T, from the products B_i B_j summed over the nodes.
-template <class Real, int nodes>
+template <class Real, const Shape& shape>
 [[gnu::always_inline]] inline void stable_length(LanesOf<Real> xx, LanesOf<Real> yy, LanesOf<Real> zz, LanesOf<Real> xy,
-                                                 LanesOf<Real> yz, LanesOf<Real> zx, SolidMotion<Real, nodes>& k) {
+                                                 LanesOf<Real> yz, LanesOf<Real> zx, SolidMotion<Real, shape>& k) {
   using V = LanesOf<Real>;
-  constexpr Real quarter = nodes / 4.0;
+  constexpr Real quarter_of_nodes = shape.n_nodes / 4.0;
   k.gradient_norm = xx + yy + zz;
   if constexpr (std::is_same_v<Real, double>) {
-    k.length = k.volume / sqrt_of(quarter * largest_eigenvalue<double>(xx, yy, zz, xy, yz, zx) + tiny<double>);
+    k.length = k.volume / sqrt_of(quarter_of_nodes * largest_eigenvalue<double>(xx, yy, zz, xy, yz, zx) + tiny<double>);
   } else {
     // The determinant of a matrix of lengths to the fourth would leave the range of floats.
     const V one = 1.0f / (k.gradient_norm + tiny<float>);
     const V share = largest_eigenvalue<float>(xx * one, yy * one, zz * one, xy * one, yz * one, zx * one);
-    k.length = k.volume / sqrt_of(quarter * share * k.gradient_norm + tiny<float>);
+    k.length = k.volume / sqrt_of(quarter_of_nodes * share * k.gradient_norm + tiny<float>);
   }
 }
 

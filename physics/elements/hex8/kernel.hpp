@@ -42,8 +42,8 @@ class Kernel : public SolidKernel<Real, Kinematics<Real>, State, Kernel<Real>> {
   }
 
   /// f_I = -(sigma - hourglass correction) B_I - hourglass, in quanta.
-  [[gnu::always_inline]] void find_forces(const Work& w, int block, int lane, const Piece& p, const Strain& step,
-                                          V alive, Totals& totals, V (&force)[3][8]) const {
+  [[gnu::always_inline]] V find_forces(const Work& w, int block, int lane, const Piece& p, const Strain& step, V alive,
+                                       Totals& totals, V (&force)[3][8]) const {
     const Motion& k = p.k;
     V shape[3][4], rate[3][4];
     for (int d = 0; d < 3; ++d) std::copy_n(k.x[d] + first_hourglass, 4, shape[d]);
@@ -60,7 +60,7 @@ class Kernel : public SolidKernel<Real, Kinematics<Real>, State, Kernel<Real>> {
       resist_velocity(w, block, lane, p, shape, rate, alive, resist, totals);
 
     const V scale = alive * static_cast<Real>(w.scale.per_quantum);
-    V sigma[3][3];
+    V sigma[3][3], size{};
     Base::total_stress(p, sigma);
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
@@ -75,7 +75,9 @@ class Kernel : public SolidKernel<Real, Kinematics<Real>, State, Kernel<Real>> {
         if (m >= first_hourglass) along[m] -= resist[i][m - first_hourglass] * scale;
       }
       spread(along, force[i]);
+      size += Base::sizes_of(force[i]);
     }
+    return size;
   }
 
  private:

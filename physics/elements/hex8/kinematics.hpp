@@ -77,7 +77,7 @@ template <class Real>
 /// Geometry and motion of one piece of a block at the end of a step; positions x, velocities v and the gradient b
 /// along the base vectors.
 template <class Real>
-struct Kinematics : SolidMotion<Real, 8> {
+struct Kinematics : SolidMotion<Real, hexahedron> {
   using V = LanesOf<Real>;
   // Along the curve that elements stand on, the corner farthest from the origin is the newest one.
   static constexpr int newest_node = 6;

@@ -185,7 +185,7 @@ std::string nothing_left(const std::string& part) { return "no element of part "
 
 bool any_node_left(const MeasureModel& model, int part) {
   return std::any_of(model.nodes.begin(), model.nodes.end(),
-                     [part](const MeasureModel::Node& n) { return n.part == part && n.id >= 0; });
+                     [&](const MeasureModel::Node& n) { return model.belongs_to(n, part) && n.id >= 0; });
 }
 
 std::string no_node_left(const std::string& part) { return "all nodes of part " + part + " have been dropped"; }
@@ -250,7 +250,7 @@ LongAxis long_axis(const MeasureModel& model, const std::vector<std::int32_t>& e
 LongAxis undeformed_long_axis(const MeasureModel& model, int part, Vec3 symmetry_normal) {
   std::vector<WeightedPoint> points;
   for (const MeasureModel::Node& n : model.nodes)
-    if (n.part == part) points.push_back({n.reference, 1.0});
+    if (model.belongs_to(n, part)) points.push_back({n.reference, 1.0});
   return long_axis_of(points, symmetry_normal);
 }
 
@@ -297,8 +297,8 @@ BodySurface surface_of(const MeasureModel& model, const std::vector<std::int32_t
 BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 direction, double height, double tolerance) {
   std::vector<char> in_plane(model.nodes.size(), 0);
   for (std::size_t n = 0; n < model.nodes.size(); ++n)
-    in_plane[n] =
-        model.nodes[n].part == part && std::fabs(dot(model.nodes[n].reference, direction) - height) <= tolerance;
+    in_plane[n] = model.belongs_to(model.nodes[n], part) &&
+                  std::fabs(dot(model.nodes[n].reference, direction) - height) <= tolerance;
   BodySurface surface;
   Vertices vertices(model, surface);
   for (const auto* elements : {&model.elements, &model.eroded})

@@ -101,7 +101,7 @@ contacts: [{{type: eroding_surface}}]
     r.box = b.box;
     r.own_box = b.own_box;
     r.home = {b.box.centre(0), b.box.centre(1), b.box.centre(2)};
-    r.part = model_.nodes.part[node];
+    r.body = model_.nodes.part[node];
     r.role = 1;
     r.local = node;
     return r;
@@ -124,7 +124,7 @@ ContactFacetRecord TwoSlabs::record(const ExteriorFacet& f) const {
   const PartModel& part = model_.parts[f.part];
   ContactFacetRecord r;
   r.id = part.store->id(f.slot) * 8 + f.face;
-  r.part = f.part;
+  r.body = f.part;
   r.role = 1;
   r.bulk_modulus = part.bulk_modulus;
   r.volume = part.store->field(PartStore::mass).at(f.slot, 0) / part.material->density;
@@ -288,11 +288,11 @@ void contact_forces(benchmark::State& state) {
   v.position = position.data();
   v.velocity = velocity.data();
   v.mass = mass.data();
-  v.node_part = found.node_part.data();
+  v.node_body = found.node_body.data();
   v.n_facets = static_cast<int>(found.facet_id.size());
   v.facet_id = found.facet_id.data();
   v.facet_nodes = found.facet_nodes.data();
-  v.facet_part = found.facet_part.data();
+  v.facet_body = found.facet_body.data();
   v.facet_bulk_modulus = found.facet_bulk_modulus.data();
   v.facet_volume = found.facet_volume.data();
   v.facet_edge = found.facet_edge.data();

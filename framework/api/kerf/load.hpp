@@ -1,0 +1,78 @@
+// The contract of loads: forces on nodes, on exterior facets, and on the mass of bodies.
+//
+// A load derives from NodalLoad, FacetLoad or BodyLoad and says what acts at one time. The engine finds the nodes and
+// facets, adds the forces, and books their work and impulse as external. Positions are those of the time at which the
+// forces act; velocities are those in the step before, half a step earlier.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kerf/curve.hpp"
+#include "kerf/math.hpp"
+#include "kerf/plugin.hpp"
+
+namespace kerf {
+
+/// What acts on a model from outside. Laws are const and give the same bits for the same input.
+class Load : public Plugin {
+ public:
+  /// Parts or sets that it acts on; empty for the whole model.
+  virtual std::vector<std::string> targets() const = 0;
+  /// Upper bound, during the run, of the magnitude of what the law returns, in its unit. Nothing where it is not known:
+  /// the run then stops where a force is out of all proportion to what the materials can bear.
+  virtual std::optional<double> greatest() const { return std::nullopt; }
+  /// Whether the law reads `reference_position`, which is zero otherwise: finding it costs time and memory.
+  virtual bool reads_reference_position() const { return false; }
+  std::vector<std::string> references() const { return targets(); }
+};
+
+/// A node as a load sees it.
+struct LoadedNode {
+  std::int64_t id = 0;
+  double mass = 0.0;  // [kg]
+  Vec3 position, velocity;  // [m], [m/s]
+  Vec3 reference_position;  // in the undeformed model [m]; see Load::reads_reference_position
+};
+
+/// A force on every node of the targets that belongs to an element which has not been eroded.
+class NodalLoad : public Load {
+ public:
+  /// On one node [N].
+  virtual Vec3 force(const LoadedNode& node, double time) const = 0;
+};
+
+/// A force per mass on all nodes of the targets, point masses that erosion has left among them.
+class BodyLoad : public Load {
+ public:
+  /// [m/s2]
+  virtual Vec3 acceleration(const LoadedNode& node, double time) const = 0;
+};
+
+/// An exterior facet as a load sees it: means over its corners, of which a triangle counts the last one twice.
+struct LoadedFacet {
+  std::int64_t id = 0;  // of the element times Shape::code_of_faces plus the face
+  double area = 0.0;  // [m2]
+  Vec3 normal;  // mean outward normal of length one
+  Vec3 position, velocity;  // [m], [m/s]
+  Vec3 reference_position;  // in the undeformed model [m]; see Load::reads_reference_position
+};
+
+/// Force per present area of a facet.
+struct FacetForce {
+  double pressure = 0.0;  // against the normal at every point of the facet [Pa]
+  Vec3 traction;  // beside it, in any direction [Pa]
+};
+
+/// A pressure or traction on the exterior facets of parts, or of sets that hold all corners of a facet. What lies on a
+/// plane of symmetry is not exterior. Facets are chosen at time zero.
+class FacetLoad : public Load {
+ public:
+  virtual FacetForce force(const LoadedFacet& facet, double time) const = 0;
+  /// Whether the facets that the erosion of a loaded element uncovers are loaded from then on.
+  virtual bool follows_erosion() const { return false; }
+};
+
+}  // namespace kerf

@@ -1,0 +1,72 @@
+// Adds the forces of all loads of the input to the nodes, the same on every number of ranks.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "loads/external_load.hpp"
+#include "loads/facet_marks.hpp"
+#include "model/model.hpp"
+
+namespace kerf {
+
+class Loads {
+ public:
+  /// The input must outlive this.
+  explicit Loads(const ModelInput& input);
+  /// Chooses facets in the undeformed, distributed model. Local.
+  void begin(Model& model);
+  /// To be called whenever local nodes came, went or changed places. Local.
+  void renumbered(const Model& model);
+  /// Adds what acts at a time [s] to the force of all copies of nodes. Pre: these are sums over all copies already.
+  /// Collective.
+  void add_forces(Model& model, double time);
+  /// A sentence about a force of this rank, of the last add_forces(), that cannot be; empty where all is well.
+  const std::string& trouble() const { return trouble_; }
+  /// What the last add_forces() added, or restore() brought back.
+  const ExternalLoad& acting() const { return acting_; }
+
+  /// See FacetMarks.
+  void before_erosion(const Model& model, const std::vector<ExteriorFacet>& failing) {
+    marks_.before_erosion(model, failing);
+  }
+  void after_erosion(Model& model, const std::vector<ExteriorFacet>& opened);
+
+  /// Takes back the forces of a restart, which any rank may bring. Pre: the model is distributed. Collective.
+  void restore(const Model& model, const std::vector<LoadOnNode>& share);
+  /// On how many facets or nodes each load of the input acts, with those of all ranks. Collective.
+  std::vector<std::int64_t> count_targets(const Model& model) const;
+
+ private:
+  /// A load on nodes, with its nodes of this rank. One of the laws is set.
+  struct OnNodes {
+    const Load* load = nullptr;
+    const NodalLoad* nodal = nullptr;
+    const BodyLoad* body = nullptr;
+    std::vector<std::int32_t> nodes;
+    std::vector<Vec3> reference;  // of these, where the law reads it [m]
+  };
+  struct OnFacet {
+    FacetMarks::Marked mark;
+    Vec3 reference;  // where the law reads it [m]
+  };
+  void find_facets(const Model& model);
+  void add_facet_forces(const Model& model, double time);
+  void add_node_forces(const Model& model, const OnNodes& on, double time);
+  void add(const Model& model, std::int32_t node, Vec3 newton, const Load& load);
+  void note_failure(const char* what);
+  void hand_over(Model& model);
+
+  const ModelInput& input_;
+  FacetMarks marks_;
+  std::vector<OnNodes> on_nodes_;
+  std::vector<OnFacet> on_facets_;
+  std::int64_t arrangement_ = -1;  // of the elements, when on_facets_ was made
+  std::vector<std::int64_t> force_;  // four per local node, in force quanta
+  ExternalLoad acting_;
+  std::string trouble_;
+  const Load* asked_ = nullptr;  // the law that is being evaluated
+};
+
+}  // namespace kerf
