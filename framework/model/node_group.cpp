@@ -14,9 +14,15 @@ NodeGroup::NodeGroup(const Model& model, const std::vector<std::string>& names) 
   for (const std::string& name : names) {
     bool found = false;
     for (std::size_t p = 0; p < model.parts.size(); ++p)
-      if (model.parts[p].input->name == name) found = parts_[p] = 1;
+      if (model.parts[p].input->name == name) {
+        parts_[p] = 1;
+        found = true;
+      }
     for (std::size_t s = 0; s < model.set_names.size(); ++s)
-      if (model.set_names[s] == name) found = sets[s] = 1;
+      if (model.set_names[s] == name) {
+        sets[s] = 1;
+        found = true;
+      }
     KERF_ASSERT(found, "names of parts and sets are checked when the input is read");
   }
   reached_ = parts_;

@@ -287,7 +287,7 @@ std::vector<Found> compare(const Model& model, const Cubes& cubes, const std::ve
         const double tolerance = std::min(outlines[i].tolerance, outlines[j].tolerance);
         const Extent common = common_box(outlines[i].box, outlines[j].box, tolerance);
         if (common.is_empty() || cubes.rank_of(common.low, model.n_ranks()) != model.rank()) return;
-        if (are_joined(a, suspects[j])) return;
+        if (are_joined(suspects[i], suspects[j])) return;
         const SharedVolume s = shared_by(a, planes, suspects[j].cell(model), tolerance);
         if (!(s.volume > 0.0)) return;
         pair.volumes.push_back(s.volume);

@@ -24,7 +24,7 @@ inline const Registry& builtin_plugins() {
 /// rules among them, throw InputError. It may name the curves of a table, which must outlive it.
 template <class Law>
 std::unique_ptr<Law> make_law(const std::string& kind, const std::string& name, const std::string& parameters = "{}",
-                              const Registry& plugins = builtin_plugins(), CurveTable* curves = nullptr) {
+                              CurveTable* curves = nullptr, const Registry& plugins = builtin_plugins()) {
   const Description* description = plugins.find(kind, name);
   if (description == nullptr) throw std::runtime_error("no " + kind + " is called " + name);
   Made made = plugins.make(kind, name);
