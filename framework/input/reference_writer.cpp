@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <stdexcept>
 
 #include "input/model_input.hpp"
 #include "input/parameter_text.hpp"
 #include "kerf/measure.hpp"
+#include "plugin/kinds.hpp"
 
 namespace kerf {
 namespace {
@@ -74,6 +74,14 @@ void add_table(std::string& text, const Description& d, int level, const std::st
   }
 }
 
+/// How a variable that a law reads is called, between `quotes`.
+std::string read_name(const ReadVariable& v, const char* quotes) {
+  return v.name_of ? "named by the input" : quotes + v.name + quotes;
+}
+std::string absent_text(const ReadVariable& v) {
+  return v.is_optional ? fmt::format("; {} where no law declares it", v.value) : "";
+}
+
 // What a user has to write at least.
 std::string skeleton(const Description& d) {
   std::string text = "type: " + d.name + "\n";
@@ -82,13 +90,11 @@ std::string skeleton(const Description& d) {
   return text;
 }
 
-// Pages of the theory manual by kind; a type with a page of its own name needs no entry.
-const std::map<std::string, std::string>& theory_pages() {
-  static const std::map<std::string, std::string> pages = {
-      {"boundary", "boundaries"}, {"contact", "contact"},    {"eos", "eos"},
-      {"erosion", "erosion"},     {"load", "loads"},         {"material", "materials"},
-      {"measure", "measures"},    {"observer", "observers"}, {"partitioner", "parallel"}};
-  return pages;
+/// The theory page of a kind, empty where each type has a page of its own name.
+std::string theory_page(const std::string& kind) {
+  for (const PluginKind& k : plugin_kinds)
+    if (kind == k.name && k.theory_page) return k.theory_page;
+  return {};
 }
 
 bool has_section(const std::filesystem::path& page, const std::string& name) {
@@ -102,9 +108,8 @@ bool has_section(const std::filesystem::path& page, const std::string& name) {
 // reference that is written to another place has no theory beside it.
 std::string theory_link(const std::filesystem::path& root, const Description& d) {
   const std::filesystem::path theory = root / ".." / "theory";
-  const auto by_kind = theory_pages().find(d.kind);
   std::string page = d.name;
-  if (!std::filesystem::exists(theory / (page + ".md"))) page = by_kind == theory_pages().end() ? "" : by_kind->second;
+  if (!std::filesystem::exists(theory / (page + ".md"))) page = theory_page(d.kind);
   if (page.empty() || !std::filesystem::exists(theory / (page + ".md"))) return {};
   const std::string section = has_section(theory / (page + ".md"), d.name) ? "#" + d.name : "";
   return fmt::format("\nEquations and sources: [theory/{0}](../../theory/{0}.md{1}).\n", page, section);
@@ -155,7 +160,7 @@ std::string describe_text(const Description& d) {
     text += fmt::format("  {}: {}, at first {}\n      {}\n", v.name, has_unit(v.unit) ? "in " + v.unit : "without unit",
                         v.initial, v.doc);
   if (!d.reads.empty()) text += "\nreads state variables of other laws of the same material\n";
-  for (const ReadVariable& v : d.reads) text += fmt::format("  {}: {}\n", v.name, v.doc);
+  for (const ReadVariable& v : d.reads) text += fmt::format("  {}: {}{}\n", read_name(v, ""), v.doc, absent_text(v));
   return text;
 }
 
@@ -169,8 +174,11 @@ std::string describe_markdown(const Description& d) {
   for (const StateVariable& v : d.state)
     text += fmt::format("| `{}` | {} | {} | {} |\n", v.name, has_unit(v.unit) ? v.unit : "", v.initial, cell(v.doc));
   if (!d.state.empty()) text += "\n";
-  if (!d.reads.empty()) text += "## Reads\n\nState variables that another law of the same material must declare.\n\n";
-  for (const ReadVariable& v : d.reads) text += fmt::format("- `{}`: {}\n", v.name, v.doc);
+  if (!d.reads.empty())
+    text +=
+        "## Reads\n\nState variables that one other law of the same material must declare, unless a value is "
+        "given.\n\n";
+  for (const ReadVariable& v : d.reads) text += fmt::format("- {}: {}{}\n", read_name(v, "`"), v.doc, absent_text(v));
   while (text.size() > 1 && text[text.size() - 2] == '\n') text.pop_back();
   return text;
 }

@@ -266,9 +266,9 @@ class Validator {
                solid = origins_.has(path + ".solid");
     if (solid && (strength || eos))
       diagnostics_.error(origins_.find(path + ".solid"),
-                         fmt::format("material `{}` has a solid, which is the law of the whole stress, and a {} too; "
+                         fmt::format("material `{}` has a solid, which is the law of the whole stress, and {} too; "
                                      "expected either solid, or strength and eos",
-                                     material.name, strength ? "strength" : "eos"));
+                                     material.name, strength ? "a strength" : "an eos"));
     else if (!solid && !(strength && eos))
       diagnostics_.error(
           origins_.find(path),
@@ -324,24 +324,31 @@ class Validator {
         diagnostics_.error(origins_.find(fmt::format("{}.elements[{}]", path, k)),
                            fmt::format("there is no part or set \"{}\"{}", initial.elements[k],
                                        suggestion(initial.elements[k], both, "the parts and sets")));
-    std::string unit = initial.variable == "specific_energy" ? "J/kg" : "";
-    Names known = {"specific_energy"};
+    Names known = {"specific_energy"}, units;
+    if (initial.variable == known[0]) units.push_back("J/kg");
     bool complete = true;
     for (const auto& material : model_.materials) {
       complete = complete && is_complete(*material);
+      if (n_declaring(*material, initial.variable) > 1)
+        diagnostics_.error(
+            origins_.find(path + ".variable"),
+            fmt::format("more than one law of material `{}` declares the state variable \"{}\"; expected a "
+                        "variable that one law declares",
+                        material->name, initial.variable));
       for (const Law* law : material->laws())
         for (const StateVariable& v : law->state_variables()) {
           if (!contains(known, v.name)) known.push_back(v.name);
-          if (v.name == initial.variable) unit = v.unit;
+          if (v.name == initial.variable && !contains(units, v.unit)) units.push_back(v.unit);
         }
     }
-    if (unit.empty() && complete)
+    if (units.empty() && complete)
       diagnostics_.error(origins_.find(path + ".variable"),
                          fmt::format("no law of a material declares the state variable \"{}\"{}", initial.variable,
                                      suggestion(initial.variable, known, "the variables")));
-    if (unit.empty()) return;
-    const Quantity q = to_si(initial.value, unit);
-    if (!q.ok()) diagnostics_.error(origins_.find(path + ".value"), fmt::format("`value`: {}", q.error));
+    // Laws of two materials may measure what they call alike in different units.
+    for (const std::string& unit : units)
+      if (const Quantity q = to_si(initial.value, unit); !q.ok())
+        diagnostics_.error(origins_.find(path + ".value"), fmt::format("`value`: {}", q.error));
   }
 
   void check_fields() {

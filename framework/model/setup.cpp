@@ -93,7 +93,7 @@ void weigh_element(const PartModel& part, std::size_t p, const CellCorners& x, d
   for (std::size_t k = 0; k < static_cast<std::size_t>(part.store->n_nodes()); ++k)
     point.position = point.position + x[k];
   point.position = point.position * (1.0 / part.store->n_nodes());
-  point.length = std::cbrt(volume);
+  point.length = kerf::pow(volume, 1.0 / 3.0);
   point.density = part.material->density;
   initialise_laws(part, point, record);
 }

@@ -11,7 +11,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from harness import Report  # noqa: E402
 
-CAMPAIGNS = ("damaged_restarts", "kills", "io_faults", "fuzz_input", "parameters", "sanitizers", "newest_python")
+CAMPAIGNS = ("damaged_restarts", "kills", "io_faults", "fuzz_input", "parameters", "sanitizers",
+             "compilers", "tidy", "newest_python")
 
 
 def interrupt(*_):

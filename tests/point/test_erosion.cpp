@@ -142,11 +142,31 @@ TEST(JohnsonCookDamage, adds_up_along_a_path) {
 }
 
 TEST(JohnsonCookDamage, softens_beyond_the_critical_damage) {
-  const auto law = make_law<ErosionCriterion>("erosion", "johnson_cook_damage",
-                                              "{D1: 1, D2: 0, D3: 0, softening: stress, critical_damage: 0.5, "
-                                              "softening_exponent: 2}");
-  EXPECT_TRUE(law->softens());
+  const std::string law = "{D1: 0.5, D2: 0, D3: 0, softening: stress, critical_damage: 0.2, softening_exponent: 2}";
+  EXPECT_TRUE(make_law<ErosionCriterion>("erosion", "johnson_cook_damage", law)->softens());
+  auto point = make_point("johnson_cook_damage", law);
+  ErosionInputPoint in;
+  in.dt = 1e-6;
+  for (const double strain : {0.05, 0.1, 0.2, 0.4, 0.5}) {
+    const Verdict v = point.judge(in, {strain, 0.0});
+    const double d = strain / 0.5, share = std::max(d - 0.2, 0.0) / 0.8;
+    EXPECT_NEAR(v.value, d, 1e-15);
+    EXPECT_NEAR(v.strength, 1.0 - share * share, 1e-14);
+    EXPECT_EQ(v.tension, v.strength);
+    EXPECT_EQ(v.failed, strain == 0.5 ? 1.0 : 0.0);
+  }
+}
+
+TEST(JohnsonCookDamage, leaves_the_stress_alone_unless_asked_and_does_not_heal) {
   EXPECT_FALSE(make_law<ErosionCriterion>("erosion", "johnson_cook_damage", "{D1: 1, D2: 0, D3: 0}")->softens());
+  auto point = make_point("johnson_cook_damage", "{D1: 1, D2: 0, D3: 0}");
+  ErosionInputPoint in;
+  in.dt = 1e-6;
+  for (const double strain : {0.4, 0.4, 0.3}) {
+    const Verdict v = point.judge(in, {strain, 0.0});
+    EXPECT_NEAR(v.value, 0.4, 1e-15);
+    EXPECT_EQ(v.strength, 1.0);
+  }
 }
 
 }  // namespace

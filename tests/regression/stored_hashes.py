@@ -1,10 +1,10 @@
-"""Six small models, and the state hashes that they have to end with on every x86-64 machine and from every compiler.
+"""Seven small models, and the state hashes that they have to end with on every x86-64 machine and from every compiler.
 
     python tests/regression/stored_hashes.py            runs them and shows which hashes differ from hashes.json
     python tests/regression/stored_hashes.py --renew    writes hashes.json anew, after a change of physics on purpose
 
-The program is KERF_BINARY, or build/bin/kerf. Between them the models use every material, equation of state, erosion
-criterion, contact, boundary, load and generator, both precisions and both forms of hourglass control.
+The program is KERF_BINARY, or build/bin/kerf. Between them the models use every material, equation of state, solid,
+erosion criterion, contact, boundary, load and generator, both precisions and both forms of hourglass control.
 """
 
 import json
@@ -25,6 +25,17 @@ COPPER = {"type": "mie_gruneisen", "c0": 3940, "s": 1.489, "gamma0": 1.99, "gamm
 WATER = {"type": "linear_polynomial", "C1": "2.2 GPa", "C2": "9.5 GPa", "C3": "14.6 GPa", "C4": 0.28, "C5": 0.28,
          "tension_limit": "1 MPa"}
 LINEAR = {"type": "linear", "bulk_modulus": "160 GPa"}
+CASING = {"type": "mixed_hardening", "shear_modulus": "80 GPa", "yield_stress": "0.8 GPa",
+          "hardening_modulus": "2 GPa", "isotropic_share": 0.4}
+IRON = {"type": "zerilli_armstrong", "shear_modulus": "80 GPa", "C0": "65 MPa", "C1": "1033 MPa", "C3": "0.00698 1/K",
+        "C4": "0.000415 1/K", "C5": "266 MPa", "n": 0.289, "specific_heat": "452 J/(kg K)"}
+TNT = {"type": "jwl", "A": "371.2 GPa", "B": "3.231 GPa", "R1": 4.15, "R2": 0.95, "omega": 0.3,
+       "initial_energy": "7 GJ/m3", "detonation_velocity": "6930 m/s", "cj_pressure": "21 GPa"}
+FOAM = {"type": "p_alpha", "solid_density": 2700, "c0": 5350, "s": 1.34, "gamma0": 2.0,
+        "elastic_pressure": "50 MPa", "solid_pressure": "600 MPa"}
+ALUMINA = {"type": "johnson_holmquist_2", "shear_modulus": "90.16 GPa", "A": 0.93, "B": 0.31, "M": 0.6, "N": 0.6,
+           "C": 0.007, "tensile_strength": "0.2 GPa", "hugoniot_elastic_limit": "2.79 GPa",
+           "hugoniot_elastic_pressure": "1.46 GPa", "D1": 0.005, "D2": 1.0, "K1": "130.95 GPa"}
 
 
 def block(material, size, cells, **more):
@@ -124,6 +135,43 @@ def pressed_plate():
     }
 
 
+def explosion():
+    """An explosive between casing, wall and ceramic plate, lit at a corner; warm foam behind the plate is crushed."""
+    softening = {"type": "johnson_cook_damage", "D1": 0.05, "D2": 0.1, "D3": -1.5, "softening": "stress",
+                 "critical_damage": 0.2, "softening_exponent": 1.5}
+    return {
+        "title": "explosion", "time": {"end": "4 us"},
+        "materials": {
+            "explosive": {"density": 1630, "strength": {"type": "hydrodynamic"},
+                          "eos": {**TNT, "detonators": [{"point": "0 0 5 mm"}]},
+                          "erosion": {"criteria": [{"type": "geometric_strain", "limit": 1.5},
+                                                   {"type": "inversion", "limit": 0.2}]}},
+            "casing": {"density": 7850, "strength": CASING, "eos": LINEAR,
+                       "erosion": {"fade_out": 5, "criteria": [softening, {"type": "inversion", "limit": 0.3}]}},
+            "iron": {"density": 7870, "strength": IRON, "eos": LINEAR},
+            "foam": {"density": 1800, "strength": {"type": "elastic", "shear_modulus": "0.5 GPa"}, "eos": FOAM,
+                     "erosion": {"criteria": [{"type": "geometric_strain", "limit": 1.5},
+                                              {"type": "inversion", "limit": 0.2}]}},
+            "ceramic": {"density": 3700, "solid": ALUMINA, "erosion": {"criteria": [
+                {"type": "variable", "variable": "effective_plastic_strain", "limit": 0.4},
+                {"type": "inversion", "limit": 0.2}]}}},
+        "parts": {
+            "foam": block("foam", "6 6 3 mm", [6, 6, 3]),
+            "ceramic": block("ceramic", "6 6 2 mm", [6, 6, 2], placement=[{"translate": "0 0 3 mm"}]),
+            "explosive": block("explosive", "6 6 4 mm", [6, 6, 4], placement=[{"translate": "0 0 5 mm"}]),
+            "casing": block("casing", "6 6 1 mm", [6, 6, 1], placement=[{"translate": "0 0 9 mm"}]),
+            "wall": block("iron", "1 6 4 mm", [1, 6, 4], placement=[{"translate": "6 0 5 mm"}])},
+        "sets": {"corner": {"parts": ["foam"], "box": "0 0 0 3 3 3 mm"}},
+        "initial_state": [{"elements": ["corner"], "variable": "specific_energy", "value": "20 kJ/kg"},
+                          {"elements": ["wall"], "variable": "temperature", "value": "400 K"},
+                          {"elements": ["casing"], "variable": "effective_plastic_strain", "value": "0.01"}],
+        "boundaries": [{"type": "symmetry", "normal": [0, 0, 1]}, {"type": "symmetry", "normal": [1, 0, 0]},
+                       {"type": "symmetry", "normal": [0, 1, 0]}],
+        "contacts": [{"type": "eroding_surface"}],
+        "checks": {"energy_growth": 0.5},
+    }
+
+
 MODELS = {
     "bar": copper_bar("double", "viscous"),
     "bar_single": copper_bar("single", "stiffness"),
@@ -131,6 +179,7 @@ MODELS = {
     "perforation_single": perforation("single", "viscous"),
     "spall_and_splash": spall_and_splash(),
     "pressed_plate": pressed_plate(),
+    "explosion": explosion(),
 }
 
 

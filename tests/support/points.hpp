@@ -1,6 +1,7 @@
 // Drives laws at single points: a block whose lanes all see the same, so that a test reads like the law.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -95,6 +96,8 @@ class ErosionPoint {
   Verdict judge(const ErosionInputPoint& in, const std::vector<double>& read) {
     double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
     double strength[lane_width], tension[lane_width];
+    std::fill_n(strength, lane_width, 1.0);
+    std::fill_n(tension, lane_width, 1.0);
     std::vector<double> read_rows;
     for (const double value : read) read_rows.insert(read_rows.end(), lane_width, value);
     std::vector<const double*> reads;
@@ -126,7 +129,7 @@ class ErosionPoint {
     b.value = value;
     b.failed = failed;
     law_->judge(b);
-    return {value[0], failed[0]};
+    return {value[0], failed[0], strength[0], tension[0]};
   }
 
  private:

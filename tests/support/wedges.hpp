@@ -13,7 +13,7 @@ inline std::unique_ptr<Element> make_wedge(const std::string& parameters) {
     kerf_register_wedge(r);
     return r;
   }();
-  return make_law<Element>("element", "wedge", parameters, registry);
+  return make_law<Element>("element", "wedge", parameters, nullptr, registry);
 }
 
 /// The same nodes, with two wedges in place of each hexahedron.

@@ -44,8 +44,8 @@ def taylor_wave():
 
 
 def test_detonation_is_a_taylor_wave(kerf):
-    """Pressure behind the front, its place, and the pressure at the wall; a correct code with 100 cells has a mean error
-    of 0.94 % of the Chapman-Jouguet pressure, and its front lags by 0.7 cells."""
+    """Pressure behind the front, its place, and the pressure at the wall; a correct code with 100 cells has a mean
+    error of 0.94 % of the Chapman-Jouguet pressure, and its front lags by 0.7 cells."""
     errors = {}
     for cells in (50, 100):
         results = kerf(detonation(cells)).results

@@ -328,7 +328,7 @@ class Schema {
     return ParameterHandle(p);
   }
 
-  /// A state variable: a double in the law's `State`, which holds nothing but doubles.
+  /// A state variable: a double of the law's `State`, which holds doubles, arrays of them and tensors, nothing else.
   template <class State>
   void state(double State::*member, std::string name, std::string unit, double initial, std::string doc) {
     d_.state.push_back({std::move(name), std::move(unit), std::move(doc), initial, index_of(member)});

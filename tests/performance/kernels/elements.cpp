@@ -67,7 +67,11 @@ class SwayingBlock {
     ++at_;
   }
   void add_forces() { trouble_ = add_internal_forces(model_, step_, *erosion_, ledger_).trouble; }
-  void kick_and_drift(Integrator& integrator) { integrator.kick_and_drift(model_, step_, {}, ledger_); }
+  void kick_and_drift(Integrator& integrator) {
+    const ContactLoad contact;
+    const ExternalLoad external;
+    integrator.kick_and_drift(model_, step_, {contact, external}, ledger_);
+  }
 
   const Model& model() const { return model_; }
   const PartStore& store() const { return *model_.parts[0].store; }
