@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from plugin_case import HERE, KERF, SOURCE, build, cached, call
+from plugin_case import BUILD, HERE, KERF, SOURCE, build, cached, call
 
 # A Taylor test: the bar flies against a rigid wall and is upset there.
 CASE = """
