@@ -1,4 +1,4 @@
-"""Builds with Clang and for the plainest x86-64 processor; runs unit, point and patch tests and compares stored hashes."""
+"""Builds with Clang and for the plainest x86-64 processor; runs unit, point and patch tests, compares stored hashes."""
 
 import os
 import shutil
