@@ -151,11 +151,10 @@ std::string json_schema(const Registry& registry) {
   schema.update(block_schema(input_description()));
   Json definitions = Json::object();
   // Every kind that the input mentions must resolve, also one of which nothing is registered.
-  for (const PluginKind& kind : plugin_kinds) {
-    definitions[kind.name] = kind_schema(registry, kind.name);
-    for (const std::string& name : registry.names(kind.name))
-      definitions[std::string(kind.name) + "." + name] = plugin_schema(*registry.find(kind.name, name));
-  }
+  for (const PluginKind& kind : plugin_kinds) definitions[kind.name] = kind_schema(registry, kind.name);
+  for (const std::string& kind : registry.kinds())
+    for (const std::string& name : registry.names(kind))
+      definitions[kind + "." + name] = plugin_schema(*registry.find(kind, name));
   schema["$defs"] = std::move(definitions);
   return schema.dump(2) + "\n";
 }

@@ -7,8 +7,9 @@ import subprocess
 import pytest
 import stored_hashes
 
-# Kinds of plugins that change no hash: test_state_hash.py shows it of partitioners, and measures only look.
-OTHERS = {"measure", "partitioner"}
+# Kinds of plugins that change no hash: test_state_hash.py shows it of partitioners, test_observed_bits.py of observers,
+# and measures only look.
+OTHERS = {"measure", "observer", "partitioner"}
 RENEW = "after a change of physics on purpose: python tests/regression/stored_hashes.py --renew"
 
 
