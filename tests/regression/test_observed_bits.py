@@ -1,5 +1,6 @@
 """Columns of observers have the same bits on any number of ranks and through restart, and observers change nothing."""
 
+import json
 import os
 import shutil
 import signal
@@ -10,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
+from test_load_hashes import PLATE
 from test_state_hash import KERF, OFTEN, ROD, run
 
 # A gauge whose element erodes, one that things pass by, one on a node; contact and a plane of symmetry.
@@ -147,6 +149,36 @@ def test_a_resumed_run_goes_on_with_the_same_bits(tmp_path, ranks, more):
     assert again.summary["observers"]["tip"]["rows_without_value"] > 0
     if more:
         assert np.abs(before["contact/slide_surface_2.work"]).max() > 0.0
+
+
+def test_joined_parts_under_loads_are_seen_with_the_same_bits(tmp_path):
+    """A plate of two joined parts, which erodes under a pressure: one rank, three ranks, and two after a restart."""
+    cap = {"material": "metal",
+           "mesh": {"type": "block", "size": "[12, 10, 2] mm", "origin": "[0, 0, 3] mm", "cells": [12, 10, 2]}}
+    middle = {"parts": "cap", "box": "[2.9, 2.9, 4.9, 9.1, 7.1, 5.1] mm"}
+    node = {"type": "gauge", "at": "node", "part": "cap", "point": "6 5 3 mm", "quantities": ["velocity"]}
+    model = PLATE | {
+        "parts": PLATE["parts"] | {"cap": cap}, "joined": [{"parts": ["plate", "cap"]}],
+        "sets": PLATE["sets"] | {"middle": middle},
+        "observers": {"parts": {"type": "part_history"}, "contact": {"type": "contact_forces"}, "node": node,
+                      "walls": {"type": "reactions"},
+                      "cut": {"type": "section_force", "part": "drop", "point": "0 0 -1.1 mm", "normal": [0, 0, 1]}},
+        "output": PLATE["output"] | {"restart_interval": "4 us", "restart_at_end": False}}
+    case = [tmp_path / "case.yaml"]
+    case[0].write_text(json.dumps(model))
+    results = run(case, tmp_path / "one")
+    one = columns(tmp_path / "one")
+    run(case, tmp_path / "three", 3)
+    expect_same_columns(columns(tmp_path / "three"), one)
+    run(case, tmp_path / "one", 2, resume=True)
+    expect_same_columns(columns(tmp_path / "one"), one)
+    history = dict(zip((name.split(" ")[0] for name in results.history[0]),
+                       np.array(results.history[1:], dtype=float).T))
+    assert one["parts/cap.eroded_elements"][-1] > 0 and np.abs(one["parts/cap.kinetic"]).max() > 0.0
+    for name in ("kinetic", "internal", "momentum_x", "momentum_z"):
+        total = sum(one[f"parts/{part}.{name}"] for part in model["parts"])
+        # Shares of nodes and sums of parts are rounded once more: some units in the last place.
+        assert np.abs(total - history[name]).max() < 1e-13 * np.abs(history[name]).max(), name
 
 
 def test_a_run_cannot_be_resumed_with_other_observers(tmp_path):
