@@ -10,7 +10,7 @@ namespace kerf {
 
 namespace {
 
-// Components of the erosion state before those of the criteria; the last three only where elements fade out.
+// Components of the erosion state that stand before the criteria's; the last three only where elements fade out.
 enum : int { verdicts_component, fade_cycles, fade_criterion, fade_value };
 
 /// Rotates the tensors of a criterion's state with the material.
@@ -66,7 +66,7 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
   }
   for (std::size_t k = 0; k < criteria_.size(); ++k) ask(k, rows, block, v);
   unsigned dead = combine(v, block);
-  if (fade_out_ > 0) dead = fade_out(dead, v, block);
+  if (fade_out_ > 0) dead = fade_out(dead, at_once(v, rows.volume_ratio), v, block);
   if (softens_) soften(v, block);
   if (dead == 0) return 0;
   for (int l = 0; l < lane_width; ++l) {
@@ -84,6 +84,8 @@ void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
   if (!v.looked[k] && !c.keeps_state && !c.softens) return;
   Field& states = store_->field(PartStore::erosion_state);
   alignas(64) double strength[lane_width], tension[lane_width];
+  std::fill_n(strength, lane_width, 1.0);
+  std::fill_n(tension, lane_width, 1.0);
   rows.reads = read_rows(c.access, block);
   rows.state = states.data.data() + states.index(block * lane_width, c.first_state);
   rows.value = v.value[k];
@@ -124,9 +126,18 @@ int PartJudge::first_failing(const Verdicts& v, int lane) const {
   return first;
 }
 
-/// Elements that have failed lose their stress in equal steps. Those that have lost it are dead; the criterion and the
-/// value that they failed with are remembered.
-unsigned PartJudge::fade_out(unsigned dead, Verdicts& v, int block) {
+/// Lanes that cannot wait once they have failed: without volume, or failed by a criterion that says so.
+unsigned PartJudge::at_once(const Verdicts& v, const double* volume_ratio) const {
+  unsigned lanes = 0;
+  for (int l = 0; l < lane_width; ++l) lanes |= (volume_ratio[l] > 0.0 ? 0u : 1u) << l;
+  for (std::size_t k = 0; k < criteria_.size(); ++k)
+    if (!criteria_[k].law->can_fade()) lanes |= v.masks[k];
+  return lanes;
+}
+
+/// The deviator and the tension of elements that have failed fall in equal steps. An element that has lost them is
+/// dead; the criterion and the value that it failed with are remembered.
+unsigned PartJudge::fade_out(unsigned dead, unsigned at_once, Verdicts& v, int block) {
   Field& states = store_->field(PartStore::erosion_state);
   unsigned gone = 0;
   for (int l = 0; l < lane_width; ++l) {
@@ -140,7 +151,7 @@ unsigned PartJudge::fade_out(unsigned dead, Verdicts& v, int block) {
     }
     cycles += 1.0;
     states.set(slot, fade_cycles, cycles);
-    if (cycles > fade_out_) gone |= 1u << l;
+    if (cycles > fade_out_ || (at_once >> l & 1u) != 0) gone |= 1u << l;
     const double left = std::max(1.0 - cycles / fade_out_, 0.0);
     v.strength[l] *= left;
     v.tension[l] *= left;

@@ -43,7 +43,8 @@ class PartJudge final : public ErosionJudge {
   void ask(std::size_t criterion, ErosionBatch& rows, int block, Verdicts& verdicts);
   unsigned combine(const Verdicts& verdicts, int block) const;
   int first_failing(const Verdicts& verdicts, int lane) const;
-  unsigned fade_out(unsigned dead, Verdicts& verdicts, int block);
+  unsigned at_once(const Verdicts& verdicts, const double* volume_ratio) const;
+  unsigned fade_out(unsigned dead, unsigned at_once, Verdicts& verdicts, int block);
   void soften(const Verdicts& verdicts, int block) const;
   void record(unsigned dead, const Verdicts& verdicts, int block);
 

@@ -67,7 +67,8 @@ void ErosionInput::describe(Schema<ErosionInput>& s) {
       .by_default("any");
   s.integer(&ErosionInput::count, "count", positive, "number of criteria for the rule at_least").by_default("1");
   s.integer(&ErosionInput::fade_out, "fade_out", between(0.0, 1e6),
-            "cycles in which the stress of an element that has failed falls to nothing before the element is deleted")
+            "cycles in which the deviator and the tension of an element that has failed fall to nothing before it is "
+            "deleted")
       .by_default("0");
   s.plugin_list(&ErosionInput::criteria, "criteria", "erosion", "criteria that judge the elements of this material");
   s.rule("criteria", "a material takes one to eight erosion criteria, or no block `erosion` at all",

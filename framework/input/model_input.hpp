@@ -71,6 +71,7 @@ struct MaterialInput {
 struct InitialStateInput {
   std::vector<std::string> elements;  // parts, or sets that hold all nodes of an element; empty for all
   std::string variable, value;
+  std::string origin;  // where it was written; not a key of the input
   static void describe(Schema<InitialStateInput>& s);
 };
 

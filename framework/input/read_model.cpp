@@ -75,6 +75,8 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
     model->joined[k]->origin = origins.find("joined[" + std::to_string(k) + "].parts").text();
   curves.finish();
   model->digest = physics_digest(*root, curves.file_texts());
+  for (std::size_t i = 0; i < model->initial_states.size(); ++i)
+    model->initial_states[i]->origin = origins.find("initial_state[" + std::to_string(i) + "]").text();
   model->end_origin = origins.find("time.end").text();
   return model;
 }

@@ -42,6 +42,7 @@ class Validator {
     check_time_and_checks();
     for (const auto& material : model_.materials) {
       check_laws(*material);
+      check_variables(*material);
       check_reads(*material);
     }
     check_parts();
@@ -276,6 +277,44 @@ class Validator {
                       strength ? "eos"
                       : eos    ? "strength"
                                : "law of the stress"));
+  }
+  /// A variable of a law must not be called as something that every element keeps: whoever reads it would get that.
+  void check_variables(const MaterialInput& material) {
+    Names taken = {"mass",
+                   "volume",
+                   "pressure",
+                   "internal_energy",
+                   "viscous_energy",
+                   "deviator_xx",
+                   "deviator_yy",
+                   "deviator_zz",
+                   "deviator_xy",
+                   "deviator_yz",
+                   "deviator_zx",
+                   "reference_x",
+                   "reference_y",
+                   "reference_z",
+                   "initial_length",
+                   "erosion_verdicts",
+                   "fade_out_cycles",
+                   "fade_out_criterion",
+                   "fade_out_value",
+                   "next_strength_factor",
+                   "next_tension_factor",
+                   "strength_factor",
+                   "tension_factor",
+                   "stress",
+                   "density",
+                   "von_mises"};
+    for (const auto& part : model_.parts)
+      if (part->material == material.name) add_variables(taken, part->element.get());
+    for (const Law* law : material.laws())
+      for (const StateVariable& v : law->state_variables())
+        if (contains(taken, v.name))
+          diagnostics_.error(law->origin,
+                             fmt::format("{} declares the state variable \"{}\", and elements keep something of that "
+                                         "name; its author has to call it otherwise",
+                                         law->type, v.name));
   }
   /// Whether all laws that were written could be read.
   bool is_complete(const MaterialInput& material) const {

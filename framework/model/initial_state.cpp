@@ -1,11 +1,15 @@
 // Asks laws for their state at the start, and applies the input's block `initial_state`.
 #include "model/initial_state.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "core/diagnostics.hpp"
 #include "core/units.hpp"
 #include "model/node_group.hpp"
+#include "parallel/communicator.hpp"
 
 namespace kerf {
 
@@ -100,20 +104,45 @@ void ask(const MaterialInput& m, Sample& s) {
   m.eos->evaluate(e);
 }
 
+/// Calls `work`, which asks the laws of a material; what they throw is an error of the input.
+template <class Work>
+void told(const MaterialInput& m, const Work& work) {
+  try {
+    work();
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError(
+        {fmt::format("{}: error: a law of material {} has thrown an exception for the undeformed material: "
+                     "{}",
+                     m.stress_law().origin, m.name, e.what())});
+  }
+}
+
+/// Whether an entry of `initial_state` may reach elements of a part.
+bool may_reach(const InitialStateInput& initial, const PartInput& part, const ModelInput& input) {
+  if (initial.elements.empty()) return true;
+  const auto is_other_part = [&](const std::string& name) {
+    return name != part.name &&
+           std::any_of(input.parts.begin(), input.parts.end(), [&](const auto& other) { return other->name == name; });
+  };
+  return !std::all_of(initial.elements.begin(), initial.elements.end(), is_other_part);
+}
+
 }  // namespace
 
 void ask_moduli(PartModel& part, const ModelInput& input) {
   const MaterialInput& m = *part.material;
   Sample cold(m, 0.0);
-  ask(m, cold);
+  told(m, [&] { ask(m, cold); });
   part.shear_modulus = cold.shear[0];
   part.bulk_modulus = cold.bulk[0];
   part.initial_pressure = cold.pressure[0];
   part.initial_energy = (m.solid ? m.solid->initial_energy_density() : m.eos->initial_energy_density()) / m.density;
   for (const auto& initial : input.initial_states) {
-    if (initial->variable != "specific_energy") continue;
+    if (initial->variable != "specific_energy" || !may_reach(*initial, *part.input, input)) continue;
     Sample hot(m, to_si(initial->value, "J/kg").value);
-    ask(m, hot);
+    told(m, [&] { ask(m, hot); });
     part.hot_stiffness = std::max({part.hot_stiffness, hot.bulk[0], std::fabs(hot.pressure[0])});
   }
 }
@@ -123,8 +152,9 @@ bool asks_for(const MaterialInput& material, unsigned inputs) {
   return std::any_of(laws.begin(), laws.end(), [&](const Law* l) { return (l->asked_inputs() & inputs) != 0; });
 }
 
-void initialise_laws(const PartModel& part, const InitialPoint& point, double* record) {
-  const MaterialInput& m = *part.material;
+namespace {
+
+void initialise_states(const MaterialInput& m, const PartModel& part, const InitialPoint& point, double* record) {
   const PartStore& store = *part.store;
   m.stress_law().initialise(point, record + store.offset(PartStore::material_state));
   if (m.eos) m.eos->initialise(point, record + store.offset(PartStore::eos_state));
@@ -135,6 +165,14 @@ void initialise_laws(const PartModel& part, const InitialPoint& point, double* r
       state += c->state_variables().size();
     }
   }
+}
+
+}  // namespace
+
+void initialise_laws(const PartModel& part, const InitialPoint& point, double* record) {
+  const MaterialInput& m = *part.material;
+  const PartStore& store = *part.store;
+  told(m, [&] { initialise_states(m, part, point, record); });
   if (store.field(PartStore::place).n_components == 0) return;
   double* place = record + store.offset(PartStore::place);
   for (int d = 0; d < 3; ++d) place[d] = point.position[d];
@@ -142,9 +180,11 @@ void initialise_laws(const PartModel& part, const InitialPoint& point, double* r
 }
 
 void apply_initial_states(Model& model) {
+  std::vector<std::string> errors;
   for (const auto& initial : model.input->initial_states) {
     const NodeGroup group(model, initial->elements);
     const bool is_energy = initial->variable == "specific_energy";
+    std::int64_t n_set = 0;
     for (PartModel& part : model.parts) {
       PartStore& store = *part.store;
       const auto [field, component] =
@@ -153,10 +193,18 @@ void apply_initial_states(Model& model) {
       const std::string unit = is_energy ? "J/kg" : store.field(field).components[component].unit;
       const double value = to_si(initial->value, unit).value;
       for (int s = 0; s < store.n_slots(); ++s)
-        if (store.live(s) && group.holds_element(model.nodes, store, s))
+        if (store.live(s) && group.holds_element(model.nodes, store, s)) {
           store.field(field).set(s, component, is_energy ? value * store.field(PartStore::mass).at(s, 0) : value);
+          ++n_set;
+        }
     }
+    if (sum_of(model.comm, n_set) == 0)
+      errors.push_back(fmt::format(
+          "{}: error: `{}` is set in no element; expected parts, or sets that hold all nodes of some element, whose "
+          "material has this variable",
+          initial->origin, initial->variable));
   }
+  if (!errors.empty()) throw InputError(errors);
 }
 
 }  // namespace kerf

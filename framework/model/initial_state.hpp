@@ -6,16 +6,17 @@
 namespace kerf {
 
 /// Bulk and shear modulus and pressure of the undeformed material, asked of its laws, and the stiffest that the initial
-/// energies of the input make of it.
+/// energies of the input make of it. Throws InputError where a law throws.
 void ask_moduli(PartModel& part, const ModelInput& input);
 
 /// Whether a law of the part's material has asked for one of `inputs`, of Inputs.
 bool asks_for(const MaterialInput& material, unsigned inputs);
 
-/// Lets the laws of a part change the state in the record of a fresh element.
+/// Lets the laws of a part change the state in the record of a fresh element. Throws InputError where one throws.
 void initialise_laws(const PartModel& part, const InitialPoint& point, double* record);
 
-/// Sets the values of the input's block `initial_state`, in its order. Local.
+/// Sets the values of the input's block `initial_state`, in its order. Throws InputError where an entry reaches no
+/// element. Collective.
 void apply_initial_states(Model& model);
 
 }  // namespace kerf

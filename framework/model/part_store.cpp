@@ -64,6 +64,11 @@ void PartStore::initial_record(double element_mass, double* record) const {
     for (const StateVariable& v : fields_[f].components) *record++ = v.initial;
 }
 
+void PartStore::set_initial_values(const double* record) {
+  for (Field& f : fields_)
+    for (StateVariable& v : f.components) v.initial = *record++;
+}
+
 int PartStore::offset(FieldIndex f) const {
   int first = 0;
   for (int k = 0; k < f; ++k) first += fields_[static_cast<std::size_t>(k)].n_components;

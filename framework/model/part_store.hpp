@@ -119,6 +119,8 @@ class PartStore {
   void put(int slot, std::int64_t id, const std::int32_t* nodes, const double* record);
   /// Fills the record of a fresh element of the given mass [kg].
   void initial_record(double element_mass, double* record) const;
+  /// Makes a record's values those that fresh elements and empty slots begin with, mass and volume excepted.
+  void set_initial_values(const double* record);
   /// Where a field begins in a record.
   int offset(FieldIndex f) const;
   /// Turns a slot into an empty one. Pre: live(slot).

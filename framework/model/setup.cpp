@@ -69,6 +69,7 @@ struct MeshFacts {
   std::vector<double> shortest_edges;  // per part [m]
   std::vector<std::int64_t> n_unusable;  // per part: elements that cannot be computed
   std::vector<Membership> memberships;  // that the nodes have
+  std::string law_trouble;  // what a law has thrown for the first element that it did not like
 
   explicit MeshFacts(std::size_t n_parts)
       : sizes(n_parts, {std::numeric_limits<double>::max(), 0.0}),
@@ -95,7 +96,11 @@ void weigh_element(const PartModel& part, std::size_t p, const CellCorners& x, d
   point.position = point.position * (1.0 / part.store->n_nodes());
   point.length = kerf::pow(volume, 1.0 / 3.0);
   point.density = part.material->density;
-  initialise_laws(part, point, record);
+  try {
+    initialise_laws(part, point, record);
+  } catch (const InputError& e) {  // only on this rank, perhaps: told later, by all
+    if (facts.law_trouble.empty()) facts.law_trouble = e.lines().front();
+  }
 }
 
 /// Elements [first, last) of a part, counted within the part.
@@ -143,6 +148,7 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
 
 /// Throws where elements have no volume or are turned inside out. Collective.
 void refuse_unusable(const Model& model, const MeshFacts& facts) {
+  if (const std::string text = first_text(model.comm, facts.law_trouble); !text.empty()) throw InputError({text});
   std::vector<std::string> errors;
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const std::int64_t n = sum_of(model.comm, facts.n_unusable[p]);
@@ -342,6 +348,22 @@ std::vector<const FacetLoad*> facet_loads(const ModelInput& input) {
   return found;
 }
 
+namespace {
+
+/// What the laws make of a point of the body is what fresh elements and empty slots begin with.
+void start_laws(PartModel& part) {
+  std::vector<double> record(static_cast<std::size_t>(part.store->record_size()));
+  part.store->initial_record(0.0, record.data());
+  InitialPoint point;
+  point.position = part.placement->apply(part.input->mesh->node(0));
+  point.length = 1.0;
+  point.density = part.material->density;
+  initialise_laws(part, point, record.data());
+  part.store->set_initial_values(record.data());
+}
+
+}  // namespace
+
 void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
   model.set_comm(comm);
   model.input = &input;
@@ -368,6 +390,7 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
     variables.facet_loads = static_cast<int>(facet_loads(input).size());
     part.store =
         std::make_unique<PartStore>(static_cast<int>(model.parts.size()), *p->element, std::move(variables), precision);
+    start_laws(part);
     part.material_reads = LawReads(part.material->stress_law(), *part.store);
     if (part.material->eos) part.eos_reads = LawReads(*part.material->eos, *part.store);
     model.parts.push_back(std::move(part));

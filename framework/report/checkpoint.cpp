@@ -260,11 +260,11 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   Model& model = simulation.model();
   RestartReader file(model.comm, path);
   if (file.text("input_digest") != input_digest)
-    throw InputError(
-        {fmt::format("{}: error: this restart file belongs to another model; resume with the input that "
-                     "wrote it (precision, materials, parts, joined, sets, boundaries, loads, curves with their files, "
-                     "contacts, checks, and time but for its end, must be the same)",
-                     path)});
+    throw InputError({fmt::format(
+        "{}: error: this restart file belongs to another model; resume with the input that "
+        "wrote it (precision, materials, parts, joined, sets, initial_state, boundaries, loads, curves with "
+        "their files, contacts, checks, and time but for its end, must be the same)",
+        path)});
   Simulation::Progress p;
   const auto clock = file.reals("clock");
   const auto counters = file.integers("counters");

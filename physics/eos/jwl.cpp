@@ -23,7 +23,7 @@ struct Detonator {
   }
 };
 
-/// p = F [A (1 - w/(R1 V)) kerf::exp(-R1 V) + B (1 - w/(R2 V)) kerf::exp(-R2 V) + w E/V], with V = rho0/rho, the energy
+/// p = F [A (1 - w/(R1 V)) exp(-R1 V) + B (1 - w/(R2 V)) exp(-R2 V) + w E/V], with V = rho0/rho, the energy
 /// E per reference volume, and the burn fraction F. The detonation runs from the detonators in straight lines with
 /// velocity D and reaches a point at its lighting time. F is the greater of 2 D (t - t_l)/(3 h), with the element's
 /// length h, and (1 - V)/(1 - V_CJ); once it is one, it stays one.
@@ -91,7 +91,7 @@ struct Jwl final : PointwiseEos<Jwl> {
     const double p = F * max_of(products, 0.0);
     const double burnt = max_of(F * (slope + omega * p), 0.0);
     // Compression that burns raises the pressure twice. What has not burnt is stiff as the detonation is fast.
-    const bool burns = (F > 0.0) & (F < 1.0) & (burn != "time");
+    const bool burns = (F > 0.0) & (F < 1.0) & (burn.front() != 't');
     const double burning = select(burns, V * max_of(products, 0.0) / (compression_to_burn(in) + tiny<double>), 0.0);
     const double arriving = in.density * detonation_velocity * detonation_velocity * (1.0 - F);
     return {p, max_of(burnt + burning, arriving)};
@@ -103,7 +103,7 @@ struct Jwl final : PointwiseEos<Jwl> {
     return cj_pressure / (in.reference_density * detonation_velocity * detonation_velocity + tiny<double>);
   }
   double fraction(const EosInputWith<inputs>& in, double V, const State& state) const {
-    const bool by_time = burn != "compression", by_compression = burn != "time" && cj_pressure > 0.0;
+    const bool by_time = burn.front() != 'c', by_compression = burn.front() != 't' && cj_pressure > 0.0;
     const double D = detonation_velocity;
     const double since = select(by_time, max_of(in.time - state.lighting_time, 0.0), 0.0);
     const double burnt = (2.0 / 3.0) * D * since / (in.length + tiny<double>);

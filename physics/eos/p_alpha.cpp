@@ -5,6 +5,8 @@
 // J. Appl. Phys. 43 (1972) 759-761, for the pressure of the solid over the distension.
 #include <kerf/eos.hpp>
 
+#include <stdexcept>
+
 namespace {
 
 using namespace kerf;
@@ -34,7 +36,9 @@ struct PAlpha final : PointwiseEos<PAlpha> {
   }
 
   void initialise_point(const InitialPoint& point, State& state) const {
-    state.distension = max_of(solid_density / point.density, 1.0);
+    if (point.density > solid_density)
+      throw std::runtime_error("p_alpha: the density of the material is above solid_density; expected at most that");
+    state.distension = solid_density / point.density;
   }
 
   EosOutput evaluate_point(const EosInput& in, State& state) const {
@@ -45,9 +49,8 @@ struct PAlpha final : PointwiseEos<PAlpha> {
     double alpha = old;
     if (crushes) alpha = crushed(in, old, initial);
     state.distension = alpha;
-    const EosOutput out = porous(in, alpha);
     // While pores close, a wave of further compression is slower; the modulus of unloading is the safe one.
-    return {out.pressure, out.bulk_modulus};
+    return porous(in, alpha);
   }
 
  private:

@@ -15,6 +15,7 @@ struct Inversion final : PointwiseErosion<Inversion> {
     s.real(&Inversion::limit, "limit", "-", between(0.0, 1.0), "volume over initial volume at failure").by_default("0");
     describe_interval(s);
   }
+  bool can_fade() const override { return false; }
   Verdict judge_point(const ErosionInputPoint& in, const Reads&, State&) const {
     return {in.volume_ratio, select(in.volume_ratio <= limit, 1.0, 0.0)};
   }
@@ -30,6 +31,7 @@ struct MinimumTimeStep final : PointwiseErosion<MinimumTimeStep> {
     s.real(&MinimumTimeStep::limit, "limit", "s", positive, "stable time step below which an element is eroded");
     describe_interval(s);
   }
+  bool can_fade() const override { return false; }
   Verdict judge_point(const ErosionInputPoint& in, const Reads&, State&) const {
     return {in.time_step, select(in.time_step < limit, 1.0, 0.0)};
   }

@@ -61,8 +61,8 @@ struct JohnsonCookDamage final : PointwiseErosion<JohnsonCookDamage> {
     s.rule("D5", "D5 needs the key melting_temperature, above reference_temperature",
            [](const JohnsonCookDamage& d) { return d.D5 == 0.0 || d.melting_temperature > d.reference_temperature; });
     s.state(&State::damage, "damage", "-", 0.0, "accumulated plastic strain over failure strain");
-    s.state(&State::last_plastic_strain, "damage_last_plastic_strain", "-", 0.0,
-            "equivalent plastic strain that the damage has seen");
+    s.state(&State::last_plastic_strain, "damage_last_plastic_strain", "-", -1.0,
+            "equivalent plastic strain that the damage has seen; negative before the first step");
     s.reads(&Reads::effective_plastic_strain, "effective_plastic_strain", "equivalent plastic strain of the material");
     s.reads(&Reads::temperature, "temperature", "temperature of the material, where it keeps one").by_default(0.0);
   }
@@ -71,7 +71,9 @@ struct JohnsonCookDamage final : PointwiseErosion<JohnsonCookDamage> {
     const SymTensor s = deviator(in.stress);
     const double q = von_mises(s),
                  eta = clamp_to(-in.pressure / (q + tiny<double>), -most_triaxiality, most_triaxiality);
-    const double d = max_of(reads.effective_plastic_strain - state.last_plastic_strain, 0.0);
+    // What plastic strain there is before the first step has done no damage.
+    const bool has_seen = state.last_plastic_strain >= 0.0;
+    const double d = select(has_seen, max_of(reads.effective_plastic_strain - state.last_plastic_strain, 0.0), 0.0);
     const double rate = max_of(d / (in.dt * reference_rate + tiny<double>), 1.0);
     const double heat = clamp_to((reads.temperature - reference_temperature) /
                                      (max_of(melting_temperature - reference_temperature, 0.0) + tiny<double>),

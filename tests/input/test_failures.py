@@ -314,8 +314,9 @@ def test_a_restart_file_of_another_model_is_refused(case):
                 *settings(LONG), cwd=case)
     assert done.returncode == 2
     assert done.stderr == ("out/restart/restart.h5: error: this restart file belongs to another model; resume with the "
-                           "input that wrote it (precision, materials, parts, sets, boundaries, loads, curves with "
-                           "their files, contacts, checks, and time but for its end, must be the same)\n")
+                           "input that wrote it (precision, materials, parts, joined, sets, initial_state, "
+                           "boundaries, loads, curves with their files, contacts, checks, and time but for its end, "
+                           "must be the same)\n")
     assert summary_of(case / "out")["exit"] == "signal", "what was there is left alone"
 
 

@@ -120,6 +120,7 @@ double worst_damage(const std::string& name) {
   auto point = make_point("johnson_cook_damage",
                           "{D1: 0.05, D2: 3.44, D3: -2.12, D4: 0.002, D5: 0.61, melting_temperature: 1793 K}");
   double worst = 0.0, last = 0.0;
+  point.judge({}, {0.0, 293.15});  // what the point starts with has done no damage
   for (std::size_t r = 1; r < o.n_rows(); ++r) {
     const double q = o.column("von_mises_Pa")[r], mean = o.column("mean_stress_Pa")[r];
     const double strain = o.column("effective_plastic_strain")[r], rate = o.column("plastic_strain_rate_1_s")[r];

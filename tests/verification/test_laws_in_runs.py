@@ -185,3 +185,34 @@ def test_law_of_the_whole_stress_in_an_impact(kerf):
     assert axial == pytest.approx(3700 * wave * v, rel=0.01)
     assert np.all(run.results.cell("damage", -1) == 0.0)
     assert abs(run.summary["energy"]["balance_error"]) < 1e-3
+
+
+def test_foam_with_few_cells_runs(kerf):
+    """One cell of a foam with three quarters of pores: what fills the other lanes of its block must be at rest too."""
+    foam = {"density": 675, "strength": {"type": "elastic_plastic", "shear_modulus": "0.1 GPa", "yield_stress": "5 MPa"},
+            "eos": {"type": "p_alpha", "solid_density": 2700, "c0": 5350, "s": 1.34, "gamma0": 2.0,
+                    "elastic_pressure": "5 MPa", "solid_pressure": "200 MPa"}}
+    model = column(1, 1e-3, foam, velocity=[-50, 0, 0])
+    model["boundaries"].append({"type": "symmetry", "normal": [1, 0, 0]})
+    model["time"] = {"end": 2e-6}
+    run = kerf(model)
+    assert abs(run.summary["energy"]["balance_error"]) < 0.01
+
+
+def test_an_element_without_volume_does_not_fade(kerf):
+    """It is deleted in the step in which it has lost its volume; so is one whose criterion cannot wait."""
+    model = sheared({"criteria": [{"type": "inversion", "limit": 0.5}], "fade_out": 1000}, end=1.2e-5)
+    model["boundaries"][1]["velocity"] = [0, -100, 0]
+    run = kerf(model)
+    (deletion,) = deletions(run)
+    assert deletion["criterion"] == "inversion"
+    # Half of the volume is gone after 5 us; a thousand cycles later would be 2 us more.
+    assert float(next(v for k, v in deletion.items() if k.startswith("time"))) == pytest.approx(5e-6, rel=0.02)
+
+
+def test_strain_before_the_first_step_does_no_damage(kerf):
+    model = sheared({"criteria": [DAMAGE]}, end=1e-7, fields=["damage", "effective_plastic_strain"])
+    model["initial_state"] = [{"variable": "effective_plastic_strain", "value": 0.15}]
+    run = kerf(model)
+    assert curve(run, "effective_plastic_strain")[-1] >= 0.15
+    assert curve(run, "damage")[-1] < 0.05  # 1e-7 s at 1e5/s are a strain of 0.01, of 0.2

@@ -31,7 +31,9 @@ struct EosBatch : LawRows {
   double reference_density = 0.0;
   const double *density = nullptr, *specific_energy = nullptr;
   const double* state = nullptr;  // [variable][lane] as the last step left it
-  double* new_state = nullptr;  // as this step leaves it; null where the evaluation is not the step's last
+  /// As this step leaves it; null where the evaluation is not the step's last. May be the same memory as `state`: read
+  /// all of that before.
+  double* new_state = nullptr;
   double *pressure = nullptr, *bulk_modulus = nullptr;
 };
 

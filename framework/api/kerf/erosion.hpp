@@ -45,6 +45,9 @@ struct ErosionBatch : LawRows {
 class ErosionCriterion : public Law {
  public:
   virtual void judge(const ErosionBatch& batch) const = 0;
+  /// Whether an element that fails may lose its stress over some steps before it is deleted, where the user asks for
+  /// that. False for criteria of elements that cannot be computed any longer.
+  virtual bool can_fade() const { return true; }
   /// Whether the criterion weakens the stress before the element fails.
   virtual bool softens() const { return false; }
   /// Cycles between two looks. A criterion that keeps state is updated every cycle all the same.

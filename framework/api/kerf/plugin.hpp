@@ -111,9 +111,9 @@ class Registrar {
     if constexpr (detail::HasReads<T>) detail::expect_all_declared<typename T::Reads>(d, "Reads", d.reads);
     detail::expect_inputs_asked<T>(d);
     for (const StateVariable& v : d.state)
-      if (v.begins_tensor && d.kind == "eos")
+      if (v.begins_tensor && (d.kind == "eos" || d.kind == "element"))
         throw std::runtime_error(d.kind + " " + d.name + " (" + d.origin + "): the state variable `" + v.name +
-                                 "` belongs to a tensor, which an equation of state cannot keep; declare scalars");
+                                 "` belongs to a tensor, which nobody rotates for this kind; declare scalars");
     add(
         std::move(d), +[] {
           auto object = std::make_unique<T>();

@@ -121,6 +121,20 @@ class RadialReturn : public Material {
       any = 0.0;
       for (int l = 0; l < lane_width; ++l) any += moving[l];
     }
+    for (int l = 0; any > 0.0 && l < lane_width; ++l)
+      if (moving[l] > 0.0) k.d[l] = bisected(k, state, per_dt, l);
+  }
+
+  /// By bisection, where Newton's method has not converged: halvings until round-off.
+  double bisected(const Block& k, const StateRows& state, double per_dt, int l) const {
+    double low = 0.0, high = k.bound[l];
+    for (int i = 0; i < 1100 && low < high; ++i) {
+      const double d = 0.5 * (low + high);
+      if (d == low || d == high) break;
+      const FlowStress y = law().flow_stress({state[0][l] + d, d, d * per_dt, state[1][l]});
+      (3.0 * G * d + y.value > k.q[l] ? high : low) = d;
+    }
+    return low;
   }
 
   [[gnu::always_inline]] void flow(Block& k, StateRows& state, double dt, int l) const {
@@ -131,8 +145,8 @@ class RadialReturn : public Material {
     state[1][l] += taylor_quinney * stress * d / (k.density[l] * specific_heat);
   }
 
-  static constexpr double tolerance = 1e-7;  // relative change of d in the last iteration
-  static constexpr int max_iterations = 80;
+  static constexpr double tolerance = 1e-7;  // relative change of d in the last iteration; its square remains
+  static constexpr int max_iterations = 80;  // by factors of e^2, from the bound down to 1e-60 of it
 };
 
 }  // namespace kerf

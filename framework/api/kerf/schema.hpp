@@ -353,7 +353,8 @@ class Schema {
     }
   }
   /// A double in the law's `Reads` that is filled from another law's state variable of that name. A material sees it as
-  /// the last step left it, an equation of state after the material, a criterion after both.
+  /// the last step left it, an equation of state after the material, a criterion after both; what
+  /// another criterion keeps, a criterion sees as this step leaves it only if the other one stands before it.
   template <class Reads>
   ReadHandle reads(double Reads::*member, std::string name, std::string doc) {
     d_.reads.push_back({std::move(name), std::move(doc), index_of(member)});

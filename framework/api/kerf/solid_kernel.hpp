@@ -161,12 +161,17 @@ class SolidKernel {
     return entry_at(w.nodes, n_nodes, block, 0, lane);
   }
 
-  /// An initial pressure pushes from the first kick on.
+  /// An initial stress pushes from the first kick on.
   static void add_initial_forces(Work& w, int block, int lane, const Motion& k) {
-    const V pressure = load_lanes(entry_at(w.pressure, 1, block, 0, lane)) * static_cast<Real>(w.scale.per_quantum);
-    V sigma[3][3] = {{-pressure}, {V{}, -pressure}, {V{}, V{}, -pressure}}, force[3][n_nodes];
+    const auto scale = static_cast<Real>(w.scale.per_quantum);
+    const V pressure = load_lanes(entry_at(w.pressure, 1, block, 0, lane));
+    V s[6];
+    for (int i = 0; i < 6; ++i)
+      s[i] = (load_lanes(entry_at(w.deviator, 6, block, i, lane)) - (i < 3 ? pressure : V{})) * scale;
+    const V sigma[3][3] = {{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
+    V force[3][n_nodes];
     Formulation::forces_of_stress(k, sigma, force);
-    scatter_forces<false>(w, nodes_of(w, block, lane), force);
+    if (!scatter_forces<false>(w, nodes_of(w, block, lane), force) && w.bad_block < 0) w.bad_block = block;
   }
 
   /// Stable step with the viscosity of the initial velocity gradient. What the first step will do is not yet seen: a

@@ -71,6 +71,15 @@ template <class Real>
     for (int l = 0; l < lane_width; ++l) rows.deviator[i][l] /= static_cast<Real>(max_of(applied[l], least_factor));
 }
 
+/// The pressure of the last step as it would be without softening.
+template <class Real, class Number>
+void restore_tension(const ElementArrays<Real>& w, int block, const Real* pressure, Number* sound) {
+  const double* applied = entry_at(w.softening, n_softening, block, tension_applied, 0);
+  for (int l = 0; l < lane_width; ++l)
+    sound[l] =
+        static_cast<Number>(pressure[l] / select(pressure[l] < Real(0.0), max_of(applied[l], least_factor), 1.0));
+}
+
 }  // namespace detail
 
 /// Asks the equation of state for pressure and bulk modulus. The last evaluation of a step leaves the new state.
@@ -104,6 +113,11 @@ void update_material(ElementArrays<Real>& w, int block, SolidRows<Real>& rows) {
   m.density = rows.density;
   m.specific_energy = rows.energy;
   m.pressure = entry_at(w.pressure, 1, block, 0, 0);
+  alignas(64) Real sound[lane_width];
+  if (w.softening) [[unlikely]] {
+    detail::restore_tension(w, block, m.pressure, sound);
+    m.pressure = sound;
+  }
   m.deviator = rows.deviator;
   m.state = entry_at(w.material_state, w.n_material_state, block, 0, 0);
   m.shear_modulus = rows.modulus;
@@ -127,16 +141,14 @@ template <class Real>
   m.state = entry_at(w.material_state, w.n_material_state, block, 0, 0);
   if (!w.of_material.tensors.empty()) detail::rotate_tensors(w.of_material.tensors, rows.step, m.state);
   const Real* pressure = entry_at(w.pressure, 1, block, 0, 0);
-  const double* applied =
-      w.softening ? entry_at(w.softening, detail::n_softening, block, detail::tension_applied, 0) : nullptr;
   for (int l = 0; l < lane_width; ++l) {
     for (int i = 0; i < 6; ++i) {
       strain[i][l] = rows.step.strain[i][l];
       deviator[i][l] = rows.deviator[i][l];
     }
     rows.pressure[l] = pressure[l];
-    if (applied && pressure[l] < Real(0.0)) rows.pressure[l] /= max_of(applied[l], detail::least_factor);
   }
+  if (w.softening) detail::restore_tension(w, block, pressure, rows.pressure);
   m.reference_density = w.reference_density;
   m.strain_increment = strain;
   m.density = rows.exact_density;
