@@ -454,7 +454,7 @@ void Simulation::check_energy(const Balance& b) const {
     struct Worst {
       double energy;
       std::int64_t id;
-    } worst{-1.0, -1};
+    } worst{-std::numeric_limits<double>::infinity(), -1};
     std::string name;
     for (const PartModel& part : model_.parts)
       for (int s = 0; s < part.store->n_slots(); ++s) {

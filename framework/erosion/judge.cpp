@@ -5,13 +5,14 @@
 #include <bit>
 
 #include "core/assert.hpp"
+#include "kerf/solid_laws.hpp"
 
 namespace kerf {
 
 namespace {
 
-// Components of the erosion state that stand before the criteria's; the last three only where elements fade out.
-enum : int { verdicts_component, fade_cycles, fade_criterion, fade_value };
+// Components of the erosion state that stand before the criteria's; all but the first only where elements fade out.
+enum : int { verdicts_component, fade_cycles, fade_criterion, fade_value, fade_strength, fade_tension };
 
 /// Rotates the tensors of a criterion's state with the material.
 void rotate_tensors(const std::span<const int> tensors, const double (*rotation)[lane_width], double* state) {
@@ -66,7 +67,7 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
   }
   for (std::size_t k = 0; k < criteria_.size(); ++k) ask(k, rows, block, v);
   unsigned dead = combine(v, block);
-  if (fade_out_ > 0) dead = fade_out(dead, at_once(v, rows.volume_ratio), v, block);
+  if (fade_out_ > 0) dead = fade_out(dead, rows, v, block);
   if (softens_) soften(v, block);
   if (dead == 0) return 0;
   for (int l = 0; l < lane_width; ++l) {
@@ -135,26 +136,37 @@ unsigned PartJudge::at_once(const Verdicts& v, const double* volume_ratio) const
   return lanes;
 }
 
-/// The deviator and the tension of elements that have failed fall in equal steps. An element that has lost them is
-/// dead; the criterion and the value that it failed with are remembered.
-unsigned PartJudge::fade_out(unsigned dead, unsigned at_once, Verdicts& v, int block) {
+/// The deviator and the tension of elements that have failed fall in equal steps from what they were at failure: what
+/// the laws would build up beyond that does not count. An element that has lost them is dead; the criterion and the
+/// value that it failed with are remembered.
+unsigned PartJudge::fade_out(unsigned dead, const ErosionBatch& rows, Verdicts& v, int block) {
   Field& states = store_->field(PartStore::erosion_state);
+  const Field& factors = store_->field(PartStore::softening);
+  const unsigned cannot_wait = at_once(v, rows.volume_ratio);
   unsigned gone = 0;
   for (int l = 0; l < lane_width; ++l) {
     const int slot = block * lane_width + l;
+    const double strength = von_mises(deviator(detail::tensor_at(rows.stress, l)));
+    const double tension = std::max(-rows.pressure[l], 0.0);
     double cycles = states.at(slot, fade_cycles);
     if (cycles == 0.0) {
       if ((dead >> l & 1u) == 0) continue;
       const int first = first_failing(v, l);
       states.set(slot, fade_criterion, first);
       states.set(slot, fade_value, v.value[first][l]);
+      states.set(slot, fade_strength, strength);
+      states.set(slot, fade_tension, tension);
     }
     cycles += 1.0;
     states.set(slot, fade_cycles, cycles);
-    if (cycles > fade_out_ || (at_once >> l & 1u) != 0) gone |= 1u << l;
+    if (cycles > fade_out_ || (cannot_wait >> l & 1u) != 0) gone |= 1u << l;
     const double left = std::max(1.0 - cycles / fade_out_, 0.0);
-    v.strength[l] *= left;
-    v.tension[l] *= left;
+    // The factor that would bring the stress of the laws, which has the last factor in it, to what is left.
+    const auto bounded = [&](double at_failure, double now, double applied) {
+      return now > 0.0 ? std::min(left, left * at_failure * applied / now) : left;
+    };
+    v.strength[l] *= bounded(states.at(slot, fade_strength), strength, factors.at(slot, detail::strength_applied));
+    v.tension[l] *= bounded(states.at(slot, fade_tension), tension, factors.at(slot, detail::tension_applied));
   }
   return gone;
 }

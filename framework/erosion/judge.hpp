@@ -44,7 +44,7 @@ class PartJudge final : public ErosionJudge {
   unsigned combine(const Verdicts& verdicts, int block) const;
   int first_failing(const Verdicts& verdicts, int lane) const;
   unsigned at_once(const Verdicts& verdicts, const double* volume_ratio) const;
-  unsigned fade_out(unsigned dead, unsigned at_once, Verdicts& verdicts, int block);
+  unsigned fade_out(unsigned dead, const ErosionBatch& rows, Verdicts& verdicts, int block);
   void soften(const Verdicts& verdicts, int block) const;
   void record(unsigned dead, const Verdicts& verdicts, int block);
 

@@ -251,6 +251,12 @@ void Binder::bind_integers(const Parameter& p, const Node& node, void* target) {
 void Binder::bind_texts(const Parameter& p, const Node& node, void* target, const std::string& path) {
   if (node.is_scalar()) return p.set_texts(target, {node.text});
   if (!node.is_list()) return mismatch(p, node);
+  // Where the absence of the key means all there is, an empty list would mean the same.
+  if (node.items.empty() && !p.required && p.default_text.empty()) {
+    diagnostics_.error(node.origin,
+                       fmt::format("`{}` is an empty list; expected at least one name, or no such key", p.name));
+    return;
+  }
   std::vector<std::string> values;
   for (const Node& item : node.items) {
     if (!item.is_scalar()) return mismatch(p, item);

@@ -299,6 +299,8 @@ class Validator {
                    "fade_out_cycles",
                    "fade_out_criterion",
                    "fade_out_value",
+                   "fade_out_strength",
+                   "fade_out_tension",
                    "next_strength_factor",
                    "next_tension_factor",
                    "strength_factor",
@@ -353,6 +355,14 @@ class Validator {
                             read.name == "internal_energy" || read.name == "viscous_energy");
   }
 
+  void check_initial_value(const InitialStateInput& initial, const std::string& path, const StateVariable& v,
+                           const std::string& law) {
+    const Quantity q = to_si(initial.value, v.unit);
+    if (q.ok() && !v.range.contains(q.value))
+      diagnostics_.error(origins_.find(path + ".value"),
+                         fmt::format("`value` = {} is out of the range of {} of {}; expected {}",
+                                     quantity_text(q.value, v.unit), v.name, law, range_text(v.range, v.unit)));
+  }
   void check_initial_state(std::size_t i) {
     const InitialStateInput& initial = *model_.initial_states[i];
     const std::string path = fmt::format("initial_state[{}]", i);
@@ -377,7 +387,9 @@ class Validator {
       for (const Law* law : material->laws())
         for (const StateVariable& v : law->state_variables()) {
           if (!contains(known, v.name)) known.push_back(v.name);
-          if (v.name == initial.variable && !contains(units, v.unit)) units.push_back(v.unit);
+          if (v.name != initial.variable) continue;
+          if (!contains(units, v.unit)) units.push_back(v.unit);
+          check_initial_value(initial, path, v, law->type);
         }
     }
     if (units.empty() && complete)

@@ -154,14 +154,20 @@ bool asks_for(const MaterialInput& material, unsigned inputs) {
 
 namespace {
 
+/// From the declared values, whatever stood there.
+void start(const Law& law, const InitialPoint& point, double* state) {
+  for (const StateVariable& v : law.state_variables()) state[v.index] = v.initial;
+  law.initialise(point, state);
+}
+
 void initialise_states(const MaterialInput& m, const PartModel& part, const InitialPoint& point, double* record) {
   const PartStore& store = *part.store;
-  m.stress_law().initialise(point, record + store.offset(PartStore::material_state));
-  if (m.eos) m.eos->initialise(point, record + store.offset(PartStore::eos_state));
+  start(m.stress_law(), point, record + store.offset(PartStore::material_state));
+  if (m.eos) start(*m.eos, point, record + store.offset(PartStore::eos_state));
   if (m.erosion) {
     double* state = record + store.offset(PartStore::erosion_state) + part.first_criterion_state;
     for (const auto& c : m.erosion->criteria) {
-      c->initialise(point, state);
+      start(*c, point, state);
       state += c->state_variables().size();
     }
   }

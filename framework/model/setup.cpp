@@ -238,11 +238,43 @@ void reweigh_elements(const Model& model, const std::vector<std::int64_t>& moved
   }
 }
 
+/// Throws where elements of different parts have the same nodes: the parts overlap by whole cells. Collective.
+void refuse_same_cells(const Model& model, const ModelBundle& bundle) {
+  struct Nodes {
+    ElementNodeIds ids;
+    std::int64_t part;
+  };
+  std::vector<std::vector<Nodes>> outgoing(static_cast<std::size_t>(model.n_ranks()));
+  for (std::size_t p = 0; p < bundle.parts.size(); ++p)
+    for (ElementNodeIds ids : bundle.parts[p].nodes) {
+      for (std::size_t k = static_cast<std::size_t>(model.parts[p].store->n_nodes()); k < ids.size(); ++k)
+        ids[k] = std::numeric_limits<std::int64_t>::max();
+      std::sort(ids.begin(), ids.end());
+      outgoing[static_cast<std::size_t>(ids[0] % model.n_ranks())].push_back({ids, static_cast<std::int64_t>(p)});
+    }
+  std::vector<Nodes> all;
+  for (const auto& list : all_to_all(model.comm, outgoing)) all.insert(all.end(), list.begin(), list.end());
+  std::sort(all.begin(), all.end(), [](const Nodes& a, const Nodes& b) { return a.ids < b.ids; });
+  const auto twice =
+      std::adjacent_find(all.begin(), all.end(), [](const Nodes& a, const Nodes& b) { return a.ids == b.ids; });
+  std::string text;
+  if (twice != all.end()) {
+    const PartInput &first = *model.parts[static_cast<std::size_t>(std::min(twice->part, twice[1].part))].input,
+                    &second = *model.parts[static_cast<std::size_t>(std::max(twice->part, twice[1].part))].input;
+    text = fmt::format(
+        "{}: error: parts {} and {} are joined and overlap by whole cells; move them apart, so that they "
+        "share a surface only",
+        second.mesh->origin, first.name, second.name);
+  }
+  if (text = first_text(model.comm, text); !text.empty()) throw InputError({text});
+}
+
 /// Makes parts share nodes as the input says. Collective.
 void join(Model& model, ModelBundle& bundle, const MeshFacts& facts) {
   std::vector<double> shortest = facts.shortest_edges;
   MPI_Allreduce(MPI_IN_PLACE, shortest.data(), static_cast<int>(shortest.size()), MPI_DOUBLE, MPI_MIN, model.comm);
   const std::vector<std::int64_t> moved = join_parts(model, bundle, shortest);
+  refuse_same_cells(model, bundle);
   MeshFacts changed(model.parts.size());
   reweigh_elements(model, moved, bundle, changed);
   refuse_unusable(model, changed);
@@ -329,7 +361,9 @@ PartStore::Variables variables_of(const MaterialInput& material, int& first) {
   };
   keep("erosion_verdicts");  // which criteria failed at their last look, as a whole number of bits
   if (erosion.fade_out > 0)
-    for (const char* name : {"fade_out_cycles", "fade_out_criterion", "fade_out_value"}) keep(name);
+    for (const char* name :
+         {"fade_out_cycles", "fade_out_criterion", "fade_out_value", "fade_out_strength", "fade_out_tension"})
+      keep(name);
   first = static_cast<int>(all.erosion.size());
   all.softening = erosion.fade_out > 0;
   for (const auto& c : erosion.criteria) {

@@ -7,6 +7,7 @@
 #include <kerf/eos.hpp>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace {
 
@@ -63,8 +64,9 @@ struct Jwl final : PointwiseEos<Jwl> {
            [](const Jwl& j) { return j.detonators.empty() || j.detonation_velocity > 0.0; });
     s.rule("detonators", "detonators need the key cj_pressure, unless burn is time",
            [](const Jwl& j) { return j.detonators.empty() || j.cj_pressure > 0.0 || j.burn == "time"; });
-    s.state(&State::burn_fraction, "burn_fraction", "-", 0.0, "burnt share of the explosive");
-    s.state(&State::lighting_time, "lighting_time", "s", never, "time at which the detonation arrives");
+    s.state(&State::burn_fraction, "burn_fraction", "-", 0.0, "burnt share of the explosive").within(fraction);
+    s.state(&State::lighting_time, "lighting_time", "s", never, "time at which the detonation arrives")
+        .within(non_negative);
   }
   double initial_energy_density() const override { return initial_energy; }
 
@@ -73,6 +75,9 @@ struct Jwl final : PointwiseEos<Jwl> {
       state = {1.0, 0.0};
       return;
     }
+    if (burn != "time" && cj_pressure >= point.density * detonation_velocity * detonation_velocity)
+      throw std::runtime_error(
+          "jwl: cj_pressure is not below density times detonation_velocity squared; expected about a quarter of it");
     state.burn_fraction = 0.0;
     for (const auto& d : detonators)
       state.lighting_time =
@@ -81,7 +86,7 @@ struct Jwl final : PointwiseEos<Jwl> {
 
   EosOutput evaluate_point(const EosInputWith<inputs>& in, State& state) const {
     const double V = in.volume_ratio();
-    state.burn_fraction = fraction(in, V, state);
+    state.burn_fraction = burnt_share(in, V, state);
     const double F = state.burn_fraction;
     const double first = A * kerf::exp(-R1 * V), second = B * kerf::exp(-R2 * V);
     const double E = in.reference_density * in.specific_energy + initial_energy, share = omega / V;
@@ -102,7 +107,7 @@ struct Jwl final : PointwiseEos<Jwl> {
   double compression_to_burn(const EosInput& in) const {
     return cj_pressure / (in.reference_density * detonation_velocity * detonation_velocity + tiny<double>);
   }
-  double fraction(const EosInputWith<inputs>& in, double V, const State& state) const {
+  double burnt_share(const EosInputWith<inputs>& in, double V, const State& state) const {
     const bool by_time = burn.front() != 'c', by_compression = burn.front() != 't' && cj_pressure > 0.0;
     const double D = detonation_velocity;
     const double since = select(by_time, max_of(in.time - state.lighting_time, 0.0), 0.0);

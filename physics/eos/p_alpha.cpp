@@ -32,7 +32,8 @@ struct PAlpha final : PointwiseEos<PAlpha> {
     s.real(&PAlpha::exponent, "exponent", "-", between(1.0, 10.0), "exponent of the crush curve").by_default("2");
     s.rule("solid_pressure", "solid_pressure must be above elastic_pressure",
            [](const PAlpha& p) { return p.solid_pressure > p.elastic_pressure; });
-    s.state(&State::distension, "distension", "-", 1.0, "density of the solid in the pores' walls over the density");
+    s.state(&State::distension, "distension", "-", 1.0, "density of the solid in the pores' walls over the density")
+        .within(Range{1.0, 100.0, false, false});
   }
 
   void initialise_point(const InitialPoint& point, State& state) const {

@@ -60,7 +60,7 @@ struct JohnsonCookDamage final : PointwiseErosion<JohnsonCookDamage> {
     describe_interval(s);
     s.rule("D5", "D5 needs the key melting_temperature, above reference_temperature",
            [](const JohnsonCookDamage& d) { return d.D5 == 0.0 || d.melting_temperature > d.reference_temperature; });
-    s.state(&State::damage, "damage", "-", 0.0, "accumulated plastic strain over failure strain");
+    s.state(&State::damage, "damage", "-", 0.0, "accumulated plastic strain over failure strain").within(fraction);
     s.state(&State::last_plastic_strain, "damage_last_plastic_strain", "-", -1.0,
             "equivalent plastic strain that the damage has seen; negative before the first step");
     s.reads(&Reads::effective_plastic_strain, "effective_plastic_strain", "equivalent plastic strain of the material");

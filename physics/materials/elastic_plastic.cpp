@@ -53,7 +53,8 @@ struct ElasticPlastic final : PointwiseMaterial<ElasticPlastic> {
       return !given(m.tangent_modulus) || !has_young || m.tangent_modulus < m.young();
     });
     s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0,
-            "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)");
+            "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)")
+        .within(non_negative);
   }
 
   template <class Real>

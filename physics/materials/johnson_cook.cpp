@@ -47,8 +47,10 @@ struct JohnsonCook final : Material {
     s.rule("melting_temperature", "melting_temperature must be above reference_temperature",
            [](const JohnsonCook& j) { return j.melting_temperature > j.reference_temperature; });
     s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0,
-            "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)");
-    s.state(&State::temperature, "temperature", "K", 293.15, "temperature from adiabatic plastic heating");
+            "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)")
+        .within(non_negative);
+    s.state(&State::temperature, "temperature", "K", 293.15, "temperature from adiabatic plastic heating")
+        .within(positive);
     s.state(&State::plastic_strain_rate, "plastic_strain_rate", "1/s", 0.0, "equivalent plastic strain rate");
   }
 

@@ -25,13 +25,15 @@ struct MixedHardening final : PointwiseMaterial<MixedHardening> {
     s.real(&MixedHardening::beta, "isotropic_share", "-", fraction,
            "share of the hardening that widens the yield surface: 1 isotropic, 0 kinematic");
     s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0,
-            "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)");
+            "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)")
+        .within(non_negative);
     s.state(&State::back_stress, "back_stress", "Pa", "centre of the yield surface");
   }
 
   void update_point(const PointInput& in, SymTensor& stress, State& state, double& shear_modulus) const {
     const double isotropic = beta * Ep, kinematic = (1.0 - beta) * Ep;
-    const SymTensor trial = stress + (2.0 * G) * deviator(in.strain_increment), reduced = trial - state.back_stress;
+    const SymTensor trial = stress + (2.0 * G) * deviator(in.strain_increment),
+                    reduced = trial - deviator(state.back_stress);
     const double q = von_mises(reduced);
     const double over = q - (Y0 + isotropic * state.effective_plastic_strain);
     const double d = max_of(over, 0.0) / (3.0 * G + kinematic + isotropic);

@@ -49,9 +49,11 @@ struct JohnsonHolmquist2 final : PointwiseSolid<JohnsonHolmquist2> {
         .by_default("1");
     s.rule("hugoniot_elastic_limit", "hugoniot_elastic_limit must be above hugoniot_elastic_pressure",
            [](const J& j) { return j.hel > j.hel_pressure; });
-    s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0, "equivalent plastic strain");
-    s.state(&State::damage, "damage", "-", 0.0, "0 intact, 1 fractured");
-    s.state(&State::bulking_pressure, "bulking_pressure", "Pa", 0.0, "pressure that damage has added");
+    s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0, "equivalent plastic strain")
+        .within(non_negative);
+    s.state(&State::damage, "damage", "-", 0.0, "0 intact, 1 fractured").within(fraction);
+    s.state(&State::bulking_pressure, "bulking_pressure", "Pa", 0.0, "pressure that damage has added")
+        .within(non_negative);
   }
 
   void update_point(const SolidInput& in, SymTensor& stress, State& state, SolidModuli& moduli) const {

@@ -216,3 +216,31 @@ def test_strain_before_the_first_step_does_no_damage(kerf):
     run = kerf(model)
     assert curve(run, "effective_plastic_strain")[-1] >= 0.15
     assert curve(run, "damage")[-1] < 0.05  # 1e-7 s at 1e5/s are a strain of 0.01, of 0.2
+
+
+def test_stress_that_fades_out_does_not_rise(kerf):
+    """Elastic tension: the laws go on to build up stress after the failure, of which nothing may come."""
+    elastic = {"density": 7850, "strength": {"type": "elastic", "shear_modulus": "80 GPa"},
+               "eos": {"type": "linear", "bulk_modulus": "160 GPa"},
+               "erosion": {"criteria": [{"type": "tensile_stress", "limit": "200 MPa"}], "fade_out": 400}}
+    model = sheared({"criteria": [DAMAGE]}, end=4e-7, fields=["von_mises", "pressure"])
+    model["materials"]["steel"] = elastic
+    model["boundaries"][1]["velocity"] = [0, 20, 0]
+    run = kerf(model)
+    q, p = curve(run, "von_mises"), curve(run, "pressure")
+    failed = np.argmax(-p + q > 200e6)
+    assert q.max() < 1.2 * q[: failed + 1].max()
+    assert (-p).max() < 1.2 * (-p[: failed + 1]).max()
+
+
+def test_back_stress_of_one_component_leaves_the_pressure_alone(kerf):
+    """A user may set one component before the first step; what is not deviatoric in it must not reach the stress."""
+    mixed = {"density": 7850, "strength": {"type": "mixed_hardening", "shear_modulus": "80 GPa", "yield_stress": "0.2 GPa",
+                                           "hardening_modulus": "2 GPa", "isotropic_share": 0.5},
+             "eos": {"type": "linear", "bulk_modulus": "160 GPa"}}
+    model = sheared({"criteria": [DAMAGE]}, end=1e-6, fields=["stress", "pressure"])
+    model["materials"]["steel"] = mixed
+    model["initial_state"] = [{"variable": "back_stress_xx", "value": "600 MPa"}]
+    results = kerf(model).results
+    stress, pressure = results.cell("stress", -1)[0], results.cell("pressure", -1)[0]
+    assert -stress[:3].mean() == pytest.approx(pressure, abs=1.0)  # 1 Pa of 1e8

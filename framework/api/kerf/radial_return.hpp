@@ -45,8 +45,10 @@ class RadialReturn : public Material {
     s.real(&M::taylor_quinney, "taylor_quinney", "-", fraction, "share of the plastic work that heats")
         .by_default("0.9");
     s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0,
-            "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)");
-    s.state(&State::temperature, "temperature", "K", 293.15, "temperature from adiabatic plastic heating");
+            "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)")
+        .within(non_negative);
+    s.state(&State::temperature, "temperature", "K", 293.15, "temperature from adiabatic plastic heating")
+        .within(positive);
     s.state(&State::plastic_strain_rate, "plastic_strain_rate", "1/s", 0.0, "equivalent plastic strain rate");
   }
   void initialise(const InitialPoint&, double* state) const override { state[1] = initial_temperature; }

@@ -106,6 +106,7 @@ struct StateVariable {
   std::string name, unit, doc;
   double initial = 0.0;
   int index = 0;  // position in the law's State, in doubles
+  Range range = any_value;  // of what a user may set before the first step
   bool begins_tensor = false;  // the first of six components (xx, yy, zz, xy, yz, zx) that the element rotates
 };
 
@@ -158,6 +159,20 @@ class ParameterHandle {
 
  private:
   Parameter* p_;
+};
+
+/// Chained after the declaration of a state variable.
+class StateHandle {
+ public:
+  explicit StateHandle(StateVariable& v) : v_(&v) {}
+  /// Values outside of this interval are refused in the input's block `initial_state`.
+  StateHandle& within(Range range) {
+    v_->range = range;
+    return *this;
+  }
+
+ private:
+  StateVariable* v_;
 };
 
 /// Chained after the declaration of a variable that is read.
@@ -330,8 +345,9 @@ class Schema {
 
   /// A state variable: a double of the law's `State`, which holds doubles, arrays of them and tensors, nothing else.
   template <class State>
-  void state(double State::*member, std::string name, std::string unit, double initial, std::string doc) {
+  StateHandle state(double State::*member, std::string name, std::string unit, double initial, std::string doc) {
     d_.state.push_back({std::move(name), std::move(unit), std::move(doc), initial, index_of(member)});
+    return StateHandle(d_.state.back());
   }
   /// Several doubles, called name_1, name_2, ...
   template <class State, std::size_t n>
@@ -348,7 +364,7 @@ class Schema {
     const int first = index_of(member);
     int i = 0;
     for (const char* component : {"_xx", "_yy", "_zz", "_xy", "_yz", "_zx"}) {
-      d_.state.push_back({name + component, unit, doc, 0.0, first + i, i == 0});
+      d_.state.push_back({name + component, unit, doc, 0.0, first + i, any_value, i == 0});
       ++i;
     }
   }
