@@ -78,7 +78,7 @@ void Loads::find_facets(const Model& model) {
   }
 }
 
-/// Adds a force to one copy of a node, or notes the trouble.
+/// Adds a force to one copy of a node. One that is not finite or too large is not added, but named in `trouble_`.
 void Loads::add(const Model& model, std::int32_t node, Vec3 newton, const Load& load) {
   for (int d = 0; d < 3; ++d) {
     std::int64_t& sum = force_[4 * static_cast<std::size_t>(node) + static_cast<std::size_t>(d)];
@@ -89,8 +89,7 @@ void Loads::add(const Model& model, std::int32_t node, Vec3 newton, const Load& 
     if ((fits && std::fabs(static_cast<double>(sum)) < ForceScale::limit) || !trouble_.empty()) continue;
     trouble_ = fmt::format(
         "the force of the load {} ({}) on node {} (part {}, rank {}), {:.4g} N, is not finite, or out of all "
-        "proportion "
-        "to what the materials can bear;",
+        "proportion to what the materials can bear;",
         load.type, load.origin, model.nodes.id[node],
         model.parts[static_cast<std::size_t>(model.nodes.part[node])].input->name, model.rank(), newton[d]);
   }
@@ -158,7 +157,7 @@ void Loads::add_forces(Model& model, double time) {
   hand_over(model);
 }
 
-/// Adds the sums to the forces of the nodes, and keeps those of owned nodes.
+/// Adds the sums to the forces of the nodes, and keeps the sums of owned nodes.
 void Loads::hand_over(Model& model) {
   acting_ = {};
   for (int i = 0; i < model.nodes.n(); ++i) {

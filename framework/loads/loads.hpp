@@ -35,7 +35,7 @@ class Loads {
 
   /// Takes back the forces of a restart, which any rank may bring. Pre: the model is distributed. Collective.
   void restore(const Model& model, const std::vector<LoadOnNode>& share);
-  /// On how many facets or nodes each load of the input acts, with those of all ranks. Collective.
+  /// On how many facets or nodes each load of the input acts, on all ranks together. Collective.
   std::vector<std::int64_t> count_targets(const Model& model) const;
 
  private:

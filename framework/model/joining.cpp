@@ -194,8 +194,8 @@ std::vector<std::vector<Claim>> settle(Model& model, std::vector<std::vector<Cla
   return all_to_all(model.comm, incoming);
 }
 
-/// Gives all nodes of a bundle their new ids, and the taken ones what they have become. Returns the new ids of those
-/// that have moved. Collective.
+/// Gives all nodes of a bundle their new ids, and the taken ones what they have become. Returns the new ids of
+/// the nodes that have moved. Collective.
 std::vector<std::int64_t> renumber_nodes(Model& model, std::vector<NodeRecord>& nodes, const std::vector<char>& taken,
                                          const std::vector<std::int64_t>& new_ids) {
   const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
@@ -358,8 +358,7 @@ void share_nodes(Model& model, double quantum, const std::function<std::int64_t(
   model.shared.shares.clear();
   for (const Quanta64& q : all)
     model.shared.shares.push_back({q.node, static_cast<std::int32_t>(q.part), static_cast<double>(q.quanta) * quantum});
-  /// Answers go to all ranks that have the node.
-  struct Answer {
+  struct Answer {  // to a rank that has the node
     std::int64_t node;
     Vec3 velocity;
   };

@@ -12,7 +12,7 @@ namespace kerf {
 class LawReads {
  public:
   LawReads() = default;
-  /// Pre: the names are those of the input, which has been validated.
+  /// Pre: the input has been validated, and with it the names of what the law reads.
   LawReads(const Law& law, const PartStore& store);
   /// What the law needs in its rows, valid until the elements of the store come, go or change places, or this moves.
   LawAccess access(PartStore& store);

@@ -126,7 +126,7 @@ MergedIds::MergedIds(MPI_Comm comm, std::int64_t n_ids, const std::vector<IdPair
   std::int64_t up_to_here = 0;
   MPI_Scan(&n_here, &up_to_here, 1, MPI_INT64_T, MPI_SUM, comm);
   n_before_ = up_to_here - n_here;
-  // The new ids of survivors, asked of their homes. Until then those of merged ids are not known.
+  // The new ids of survivors, asked of their homes. Until then the new numbers of merged ids are not known.
   std::vector<std::int64_t> survivors, numbers;
   for (const Merged& m : merged_) survivors.push_back(m.survivor);
   numbers = resolve(comm, survivors);

@@ -24,7 +24,7 @@ namespace kerf {
 
 namespace {
 
-/// Finds the combination of part and sets that a node of one part has, and lists those that occur.
+/// Finds the combination of part and sets that a node of one part has, and lists the combinations that occur.
 class MembershipFinder {
  public:
   MembershipFinder(const Model& model, std::size_t part, std::vector<Membership>& all) : all_(all) {

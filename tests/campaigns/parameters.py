@@ -51,7 +51,8 @@ def base_model():
 
 # Where a type of each kind stands in the model.
 PLACES = {
-    "material": ("materials", "copper", "strength"), "eos": ("materials", "copper", "eos"),
+    "material": ("materials", "copper", "strength"), "solid": ("materials", "copper", "solid"),
+    "eos": ("materials", "copper", "eos"),
     "erosion": ("materials", "copper", "erosion", "criteria", 0), "element": ("parts", "striker", "element"),
     "mesh": ("parts", "striker", "mesh"), "contact": ("contacts", 0), "boundary": ("boundaries", 0),
     "load": ("loads", 0), "measure": ("measures", "speed"), "observer": ("observers", "watch"),
@@ -126,6 +127,8 @@ def one_set(schema, kind, name, chance):
     law = fresh_law(definitions, kind, name, chance) if name else None
     if name:
         put(model, PLACES[kind], law)
+        if kind == "solid":
+            del model["materials"]["copper"]["strength"], model["materials"]["copper"]["eos"]
         if kind == "measure":
             model["measures"] = {"speed": law}
     for _ in range(chance.choice([1, 1, 2, 3])):

@@ -148,6 +148,7 @@ TEST(JohnsonCookDamage, softens_beyond_the_critical_damage) {
   auto point = make_point("johnson_cook_damage", law);
   ErosionInputPoint in;
   in.dt = 1e-6;
+  point.judge(in, {0.0, 0.0});  // what the point starts with has done no damage
   for (const double strain : {0.05, 0.1, 0.2, 0.4, 0.5}) {
     const Verdict v = point.judge(in, {strain, 0.0});
     const double d = strain / 0.5, share = std::max(d - 0.2, 0.0) / 0.8;
@@ -163,6 +164,7 @@ TEST(JohnsonCookDamage, leaves_the_stress_alone_unless_asked_and_does_not_heal) 
   auto point = make_point("johnson_cook_damage", "{D1: 1, D2: 0, D3: 0}");
   ErosionInputPoint in;
   in.dt = 1e-6;
+  point.judge(in, {0.0, 0.0});
   for (const double strain : {0.4, 0.4, 0.3}) {
     const Verdict v = point.judge(in, {strain, 0.0});
     EXPECT_NEAR(v.value, 0.4, 1e-15);

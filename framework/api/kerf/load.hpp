@@ -1,8 +1,8 @@
 // The contract of loads: forces on nodes, on exterior facets, and on the mass of bodies.
 //
 // A load derives from NodalLoad, FacetLoad or BodyLoad and says what acts at one time. The engine finds the nodes and
-// facets, adds the forces, and books their work and impulse as external. Positions are those of the time at which the
-// forces act; velocities are those in the step before, half a step earlier.
+// facets, adds the forces, and books their work and impulse as external. Positions belong to the time at which the
+// forces act, velocities to the middle of the step before.
 #pragma once
 
 #include <cstdint>

@@ -28,7 +28,7 @@ struct Manifest {
 };
 
 #ifndef KERF_VERSION
-#define KERF_VERSION "0.1.0"
+#define KERF_VERSION "0.2.0"
 #endif
 
 inline Manifest this_manifest() {

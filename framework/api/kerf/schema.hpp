@@ -67,8 +67,8 @@ enum class ValueKind {
   block_list,  // list of maps described by `nested`
   block_map,  // map from a user's name to a map described by `nested`
   plugin,  // map with `type:` naming a plugin of kind `plugin_kind`
-  plugin_list,  // list of those
-  plugin_map,  // map from a user's name to those
+  plugin_list,  // list of plugins
+  plugin_map,  // map from a user's name to a plugin
   curve,  // name of a curve in `curves`
 };
 

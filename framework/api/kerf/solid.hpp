@@ -1,7 +1,7 @@
 // The contract of solids: laws of the whole stress, in place of a strength and an equation of state.
 //
-// Such a law fits materials whose pressure and deviator share a state: concrete, ceramics, soils, and user materials
-// that bring their own pressure.
+// It fits materials whose pressure and deviator share a state: concrete, ceramics, soils, and user materials that bring
+// their own pressure.
 #pragma once
 
 #include "kerf/law.hpp"

@@ -26,7 +26,8 @@ namespace kerf {
 /// Computes the blocks of a part. `Formulation` derives from it, and adds, all of them always_inline for speed:
 ///
 ///   static void measure(const double* position, const double* velocity, const std::int32_t* nodes, Motion&);
-///       Geometry and motion of a piece, but not the velocity gradient. `nodes` are those of its first lane.
+///       Geometry and motion of a piece, but not the velocity gradient. `nodes` begins with the nodes of its first
+///       lane.
 ///   static void forces_of_stress(const Motion&, const V (&sigma)[3][3], V (&force)[3][n_nodes]);
 ///       -sigma B of all nodes but the last, which gets minus the others' sum.
 ///
