@@ -189,7 +189,8 @@ def test_law_of_the_whole_stress_in_an_impact(kerf):
 
 def test_foam_with_few_cells_runs(kerf):
     """One cell of a foam with three quarters of pores: what fills the other lanes of its block must be at rest too."""
-    foam = {"density": 675, "strength": {"type": "elastic_plastic", "shear_modulus": "0.1 GPa", "yield_stress": "5 MPa"},
+    foam = {"density": 675,
+            "strength": {"type": "elastic_plastic", "shear_modulus": "0.1 GPa", "yield_stress": "5 MPa"},
             "eos": {"type": "p_alpha", "solid_density": 2700, "c0": 5350, "s": 1.34, "gamma0": 2.0,
                     "elastic_pressure": "5 MPa", "solid_pressure": "200 MPa"}}
     model = column(1, 1e-3, foam, velocity=[-50, 0, 0])
@@ -235,8 +236,9 @@ def test_stress_that_fades_out_does_not_rise(kerf):
 
 def test_back_stress_of_one_component_leaves_the_pressure_alone(kerf):
     """A user may set one component before the first step; what is not deviatoric in it must not reach the stress."""
-    mixed = {"density": 7850, "strength": {"type": "mixed_hardening", "shear_modulus": "80 GPa", "yield_stress": "0.2 GPa",
-                                           "hardening_modulus": "2 GPa", "isotropic_share": 0.5},
+    mixed = {"density": 7850,
+             "strength": {"type": "mixed_hardening", "shear_modulus": "80 GPa", "yield_stress": "0.2 GPa",
+                          "hardening_modulus": "2 GPa", "isotropic_share": 0.5},
              "eos": {"type": "linear", "bulk_modulus": "160 GPa"}}
     model = sheared({"criteria": [DAMAGE]}, end=1e-6, fields=["stress", "pressure"])
     model["materials"]["steel"] = mixed
