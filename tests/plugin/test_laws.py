@@ -213,8 +213,8 @@ KERF_EOS(Tensor, "tensor", "keeps a tensor")
 """
     done = call(KERF, "list", "--plugin", library(tmp_path, "tensor", law))
     assert done.returncode == 2
-    assert ("eos tensor (" in done.stderr and "the state variable `flow_xx` belongs to a tensor, which an equation of "
-            "state cannot keep; declare scalars" in done.stderr)
+    assert ("eos tensor (" in done.stderr and "the state variable `flow_xx` belongs to a tensor, which nobody "
+            "rotates for this kind; declare scalars" in done.stderr)
 
 
 # ---- reads
