@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-LawReads::LawReads(const Law& law, const PartStore& store) {
+LawReads::LawReads(const Law& law, const PartStore& store) : inputs_(law.asked_inputs()) {
   for (const ReadVariable& r : law.reads()) {
     const auto [field, component] = store.find_variable(r.name);
     KERF_ASSERT(field != PartStore::n_fields || r.is_optional, "variables that laws read are checked with the input");
@@ -33,7 +33,7 @@ LawAccess LawReads::access(PartStore& store) {
     else
       source.data = f.entries<double>();
   }
-  return {sources_, tensors_, rows_.data(), wide_.data()};
+  return {sources_, tensors_, inputs_, rows_.data(), wide_.data()};
 }
 
 }  // namespace kerf

@@ -25,6 +25,7 @@ class LawReads {
   };
   std::vector<Position> positions_;
   std::vector<int> tensors_;
+  unsigned inputs_ = 0;
   // What access() points to.
   std::vector<ReadSource> sources_;
   std::vector<const double*> rows_;

@@ -39,6 +39,7 @@ struct ReadSource {
 struct LawAccess {
   std::span<const ReadSource> reads;
   std::span<const int> tensors;  // first components of tensors in the law's state
+  unsigned inputs = 0;  // what the law has asked for, of Inputs
   const double** rows = nullptr;  // scratch: one per variable that is read
   double* wide = nullptr;  // scratch: `lane_width` per variable
 };

@@ -28,14 +28,13 @@ template <class Real>
 
 /// Step, time, what the law reads, and what it has asked for.
 template <class Real>
-[[gnu::always_inline]] inline void fill_law_rows(const ElementArrays<Real>& w, int block, const Law& law,
-                                                 const LawAccess& access, const SolidRows<Real>& rows, AskedRows& asked,
-                                                 LawRows& out) {
+[[gnu::always_inline]] inline void fill_law_rows(const ElementArrays<Real>& w, int block, const LawAccess& access,
+                                                 const SolidRows<Real>& rows, AskedRows& asked, LawRows& out) {
   out.dt = w.dt;
   out.time = w.time;
   if (!access.reads.empty()) out.reads = read_rows(access, block);
-  if (const unsigned inputs = law.asked_inputs(); inputs != 0) [[unlikely]]
-    fill_asked(w, block, inputs, rows, asked, out);
+  if (access.inputs != 0) [[unlikely]]
+    fill_asked(w, block, access.inputs, rows, asked, out);
 }
 
 /// Rotates the tensors of a law's state with the material.
@@ -88,7 +87,7 @@ void evaluate_eos(ElementArrays<Real>& w, int block, SolidRows<Real>& rows, bool
   alignas(64) double wide[lane_width];
   detail::AskedRows asked;
   EosBatch e;
-  detail::fill_law_rows(w, block, *w.eos, w.of_eos, rows, asked, e);
+  detail::fill_law_rows(w, block, w.of_eos, rows, asked, e);
   e.reference_density = w.reference_density;
   e.density = rows.exact_density;
   e.specific_energy = widen(rows.energy, wide);
@@ -107,7 +106,7 @@ template <class Real>
 void update_material(ElementArrays<Real>& w, int block, SolidRows<Real>& rows) {
   detail::AskedRows asked;
   MaterialRows<Real> m;
-  detail::fill_law_rows(w, block, *w.material, w.of_material, rows, asked, m);
+  detail::fill_law_rows(w, block, w.of_material, rows, asked, m);
   m.reference_density = w.reference_density;
   m.strain_increment = rows.step.strain;
   m.density = rows.density;
@@ -137,7 +136,7 @@ template <class Real>
   alignas(64) double strain[6][lane_width], deviator[6][lane_width], energy[lane_width], modulus[lane_width];
   detail::AskedRows asked;
   SolidBatch m;
-  detail::fill_law_rows(w, block, *w.solid, w.of_material, rows, asked, m);
+  detail::fill_law_rows(w, block, w.of_material, rows, asked, m);
   m.state = entry_at(w.material_state, w.n_material_state, block, 0, 0);
   if (!w.of_material.tensors.empty()) detail::rotate_tensors(w.of_material.tensors, rows.step, m.state);
   const Real* pressure = entry_at(w.pressure, 1, block, 0, 0);
