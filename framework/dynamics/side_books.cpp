@@ -143,17 +143,4 @@ std::vector<std::vector<std::array<std::int64_t, 3>>> SideBooks::contact_forces(
   return forces;
 }
 
-void SideBooks::restore_load(const Model& model, std::size_t contact,
-                             const std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>& forces) {
-  ContactLoad& load = loads_[contact] = {};
-  for (int i = 0; i < model.nodes.n(); ++i) {
-    const auto it = forces.find(model.nodes.id[i]);
-    if (!model.nodes.owned[i] || it == forces.end()) continue;
-    const auto& f = it->second;
-    load.nodes.push_back(i);
-    load.force.insert(load.force.end(), {f[0], f[1], f[2], 0});
-    load.friction.insert(load.friction.end(), {f[3], f[4], f[5], 0});
-  }
-}
-
 }  // namespace kerf

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "contact/engine.hpp"
@@ -65,9 +65,8 @@ class SideBooks {
   bool restore(const std::vector<std::int64_t>& totals);
   /// Forces of the definitions on owned nodes.
   const std::vector<ContactLoad>& loads() const { return loads_; }
-  /// Takes up the forces of a definition by node id, any superset of the nodes of this rank: of contact, then friction.
-  void restore_load(const Model& model, std::size_t contact,
-                    const std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>& forces);
+  /// Takes up the forces of a definition on owned nodes.
+  void restore_load(std::size_t contact, ContactLoad load) { loads_[contact] = std::move(load); }
 
  private:
   std::vector<std::int64_t> numbers() const;

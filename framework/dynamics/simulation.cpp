@@ -421,81 +421,10 @@ void Simulation::resume(const Progress& p) {
   balancer_.distribute(model_);
   balancer_.restore(p.last_rebalance);
   renumbered();
-  load_ = {};
-  for (int i = 0; i < model_.nodes.n(); ++i) {
-    const auto it = p.contact_force.find(model_.nodes.id[i]);
-    if (!model_.nodes.owned[i] || it == p.contact_force.end()) continue;
-    load_.nodes.push_back(i);
-    const auto& f = it->second;
-    load_.force.insert(load_.force.end(), {f[0], f[1], f[2], 0});
-    load_.friction.insert(load_.friction.end(), {f[3], f[4], f[5], 0});
-  }
+  load_ = load_on_owned(model_, p.contact_force);
   for (std::size_t k = 0; k < p.force_of_contact.size(); ++k)
-    side_books_.restore_load(model_, k, p.force_of_contact[k]);
+    side_books_.restore_load(k, load_on_owned(model_, p.force_of_contact[k]));
   loads_.restore(model_, p.external_force);
-}
-
-// A node that races is the more telling of the two: the energies it leads to may be no numbers any more.
-void Simulation::check(const Balance& b) const {
-  check_speeds(b.time);
-  check_energy(b);
-  const LetGo& l = b.let_go;
-  if (!(static_cast<double>(l.mass) * ledger_.mass_quantum <= input_.checks.let_go * ledger_.initial_mass))
-    throw PhysicsError(fmt::format(
-        "contact has let go of {} nodes, which came to lie up to {:.4g} m inside a body, with more than checks.let_go "
-        "({:.3g}) of the mass of the model, the first at time {:.6g} s; refine the mesh where bodies meet, or lower "
-        "time.safety_factor; at time {:.6g} s, cycle {}",
-        l.nodes, l.deepest, input_.checks.let_go, l.first_time, b.time, clock_.cycle()));
-}
-
-void Simulation::check_energy(const Balance& b) const {
-  if (!(std::fabs(b.error) <= input_.checks.energy_growth)) {
-    // The element that holds the most energy for its mass is where to look first.
-    struct Worst {
-      double energy;
-      std::int64_t id;
-    } worst{-std::numeric_limits<double>::infinity(), -1};
-    std::string name;
-    for (const PartModel& part : model_.parts)
-      for (int s = 0; s < part.store->n_slots(); ++s) {
-        if (!part.store->live(s)) continue;
-        const double e =
-            part.store->field(PartStore::internal_energy).at(s, 0) / part.store->field(PartStore::mass).at(s, 0);
-        if (!(e <= worst.energy)) {
-          worst = {e, part.store->id(s)};
-          name = element_name(model_, part.store->index(), worst.id);
-        }
-      }
-    const double greatest_energy = greatest(model_.comm, worst.energy);
-    const std::string text = first_text(model_.comm, worst.energy == greatest_energy ? name : std::string{});
-    throw PhysicsError(fmt::format(
-        "the energy balance is off by {:.2f} %, more than checks.energy_growth of {:.2f} %, at time {:.6g} s, cycle "
-        "{}; "
-        "the highest energy per mass, {:.4g} J/kg, is in {}",
-        100.0 * b.error, 100.0 * input_.checks.energy_growth, b.time, clock_.cycle(), greatest_energy, text));
-  }
-}
-
-void Simulation::check_speeds(double time) const {
-  double limit = input_.checks.maximum_speed;
-  if (!(limit > 0.0))
-    for (const PartModel& p : model_.parts)
-      limit = std::max(limit, 100.0 * std::sqrt((p.bulk_modulus + 4.0 / 3.0 * p.shear_modulus) / p.material->density));
-  std::string trouble;
-  std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
-  bool fine = true;
-  for (int i = 0; i < model_.nodes.n(); ++i) fine &= dot(model_.nodes.v(i), model_.nodes.v(i)) <= limit * limit;
-  for (int i = 0; i < model_.nodes.n() && !fine; ++i) {
-    if (dot(model_.nodes.v(i), model_.nodes.v(i)) <= limit * limit || !model_.nodes.owned[i]) continue;
-    if (model_.nodes.id[i] >= lowest) continue;
-    lowest = model_.nodes.id[i];
-    trouble =
-        fmt::format("node {} (part {}, rank {}) moves at {:.4g} m/s, faster than {:.4g} m/s", lowest,
-                    model_.parts[model_.nodes.part[i]].input->name, model_.rank(), norm(model_.nodes.v(i)), limit);
-  }
-  const std::int64_t first = -greatest(model_.comm, -lowest);
-  const std::string text = first_text(model_.comm, lowest == first ? trouble : std::string{});
-  if (!text.empty()) throw PhysicsError(fmt::format("{} at time {:.6g} s, cycle {}", text, time, clock_.cycle()));
 }
 
 }  // namespace kerf

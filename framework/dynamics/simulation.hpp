@@ -99,10 +99,8 @@ class Simulation {
     std::int64_t cycle = 0, last_rebalance = 0, element_cycles = 0;
     StepReduction reduction;
     double first_stable = 0.0, contact_step = 0.0;
-    std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>
-        contact_force;  // and friction; by node id, any superset
-    std::vector<std::unordered_map<std::int64_t, std::array<std::int64_t, 6>>>
-        force_of_contact;  // where books are kept
+    ForceByNode contact_force;  // any superset of the nodes of this rank
+    std::vector<ForceByNode> force_of_contact;  // of each definition, where books are kept
     std::vector<LoadOnNode> external_force;  // each node on any one rank
   };
   /// Collective.

@@ -14,19 +14,6 @@ namespace {
 // Components of the erosion state that stand before the criteria's; all but the first only where elements fade out.
 enum : int { verdicts_component, fade_cycles, fade_criterion, fade_value, fade_strength, fade_tension };
 
-/// Rotates the tensors of a criterion's state with the material.
-void rotate_tensors(const std::span<const int> tensors, const double (*rotation)[lane_width], double* state) {
-  for (const int first : tensors)
-    for (int l = 0; l < lane_width; ++l) {
-      double* t = state + first * lane_width + l;
-      const SymTensor turned = rotate(
-          SymTensor{t[0], t[lane_width], t[2 * lane_width], t[3 * lane_width], t[4 * lane_width], t[5 * lane_width]},
-          detail::rotation_at(rotation, l));
-      const double c[6] = {turned.xx, turned.yy, turned.zz, turned.xy, turned.yz, turned.zx};
-      for (int i = 0; i < 6; ++i) t[i * lane_width] = c[i];
-    }
-}
-
 }  // namespace
 
 PartJudge::PartJudge(const PartModel& part) {
@@ -85,15 +72,19 @@ void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
   if (!v.looked[k] && !c.keeps_state && !c.softens) return;
   Field& states = store_->field(PartStore::erosion_state);
   alignas(64) double strength[lane_width], tension[lane_width];
-  std::fill_n(strength, lane_width, 1.0);
-  std::fill_n(tension, lane_width, 1.0);
+  if (c.softens) {
+    std::fill_n(strength, lane_width, 1.0);
+    std::fill_n(tension, lane_width, 1.0);
+  }
   rows.reads = read_rows(c.access, block);
   rows.state = states.data.data() + states.index(block * lane_width, c.first_state);
   rows.value = v.value[k];
   rows.failed = v.failed;
   rows.strength = strength;
   rows.tension = tension;
-  rotate_tensors(c.access.tensors, rows.rotation, rows.state);
+  if (!c.access.tensors.empty())
+    detail::rotate_tensors(c.access.tensors, *reinterpret_cast<const double(*)[9][lane_width]>(rows.rotation),
+                           rows.state);
   detail::in_block(*c.law, block, [&] { c.law->judge(rows); });
   for (int l = 0; c.softens && l < lane_width; ++l) {
     v.strength[l] *= clamp_to(strength[l], 0.0, 1.0);

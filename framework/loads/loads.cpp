@@ -10,7 +10,7 @@
 #include "loads/facet_shares.hpp"
 #include "model/copies.hpp"
 #include "model/node_group.hpp"
-#include "parallel/communicator.hpp"
+#include "parallel/fetch_by_id.hpp"
 
 namespace kerf {
 
@@ -177,27 +177,10 @@ void Loads::after_erosion(Model& model, const std::vector<ExteriorFacet>& opened
 void Loads::restore(const Model& model, const std::vector<LoadOnNode>& share) {
   acting_ = {};
   if (input_.loads.empty()) return;
-  // By way of each node's home rank, since nobody knows who will ask.
-  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
-  const auto home_of = [n_ranks](std::int64_t id) { return static_cast<std::size_t>(id) % n_ranks; };
-  const auto lower = [](const LoadOnNode& a, const LoadOnNode& b) { return a.id < b.id; };
-  std::vector<std::vector<LoadOnNode>> to_home(n_ranks), replies(n_ranks);
-  for (const LoadOnNode& l : share) to_home[home_of(l.id)].push_back(l);
-  std::vector<LoadOnNode> mine;
-  for (const auto& list : all_to_all(model.comm, to_home)) mine.insert(mine.end(), list.begin(), list.end());
-  std::sort(mine.begin(), mine.end(), lower);
-  std::vector<std::vector<std::int64_t>> requests(n_ranks);
+  std::vector<std::int64_t> owned;
   for (int i = 0; i < model.nodes.n(); ++i)
-    if (model.nodes.owned[i] != 0) requests[home_of(model.nodes.id[i])].push_back(model.nodes.id[i]);
-  const auto asked = all_to_all(model.comm, requests);
-  for (std::size_t r = 0; r < n_ranks; ++r)
-    for (const std::int64_t id : asked[r]) {
-      const auto found = std::lower_bound(mine.begin(), mine.end(), LoadOnNode{id, {}}, lower);
-      if (found != mine.end() && found->id == id) replies[r].push_back(*found);
-    }
-  std::vector<LoadOnNode> all;
-  for (const auto& list : all_to_all(model.comm, replies)) all.insert(all.end(), list.begin(), list.end());
-  for (const LoadOnNode& l : all) {
+    if (model.nodes.owned[i] != 0) owned.push_back(model.nodes.id[i]);
+  for (const LoadOnNode& l : fetch_by_id(model.comm, share, owned).wanted) {
     acting_.nodes.push_back(model.local_node(l.id));
     acting_.force.insert(acting_.force.end(), {l.force[0], l.force[1], l.force[2], 0});
   }

@@ -15,14 +15,19 @@ namespace kerf {
 
 namespace {
 
+/// From the declared values, whatever stood there.
+void start(const Law& law, const InitialPoint& point, double* state) {
+  for (const StateVariable& v : law.state_variables()) state[v.index] = v.initial;
+  law.initialise(point, state);
+}
+
 /// State of `lane_width` points of a law, as rows, at a place that does not matter to moduli.
 std::vector<double> initial_rows(const Law& law, double density) {
-  std::vector<double> one, rows;
-  for (const StateVariable& v : law.state_variables()) one.push_back(v.initial);
+  std::vector<double> one(law.state_variables().size()), rows;
   InitialPoint point;
   point.length = 1.0;
   point.density = density;
-  law.initialise(point, one.data());
+  start(law, point, one.data());
   for (const double value : one) rows.insert(rows.end(), lane_width, value);
   rows.resize(rows.size() + lane_width);  // never empty
   return rows;
@@ -64,33 +69,31 @@ struct Sample {
   }
 };
 
+/// Fills the rows that the batches of materials and of solids have in common.
+template <class Batch>
+void fill_stress_rows(Batch& b, const MaterialInput& m, Sample& s, double* state) {
+  s.fill(b, m.stress_law(), m);
+  b.reference_density = m.density;
+  b.strain_increment = s.zero;
+  b.density = s.density;
+  b.specific_energy = s.energy;
+  b.deviator = s.stress;
+  b.pressure = s.pressure;
+  b.state = state;
+  b.shear_modulus = s.shear;
+}
+
 void ask(const MaterialInput& m, Sample& s) {
   std::vector<double> state = initial_rows(m.stress_law(), m.density);
   if (m.solid) {
     SolidBatch b;
-    s.fill(b, *m.solid, m);
-    b.reference_density = m.density;
-    b.strain_increment = s.zero;
-    b.density = s.density;
-    b.specific_energy = s.energy;
-    b.deviator = s.stress;
-    b.pressure = s.pressure;
-    b.state = state.data();
-    b.shear_modulus = s.shear;
+    fill_stress_rows(b, m, s, state.data());
     b.bulk_modulus = s.bulk;
     m.solid->update(b);
     return;
   }
   MaterialBatch b;
-  s.fill(b, *m.strength, m);
-  b.reference_density = m.density;
-  b.strain_increment = s.zero;
-  b.density = s.density;
-  b.specific_energy = s.energy;
-  b.pressure = s.pressure;
-  b.deviator = s.stress;
-  b.state = state.data();
-  b.shear_modulus = s.shear;
+  fill_stress_rows(b, m, s, state.data());
   m.strength->update(b);
   const std::vector<double> eos_state = initial_rows(*m.eos, m.density);
   EosBatch e;
@@ -153,12 +156,6 @@ bool asks_for(const MaterialInput& material, unsigned inputs) {
 }
 
 namespace {
-
-/// From the declared values, whatever stood there.
-void start(const Law& law, const InitialPoint& point, double* state) {
-  for (const StateVariable& v : law.state_variables()) state[v.index] = v.initial;
-  law.initialise(point, state);
-}
 
 void initialise_states(const MaterialInput& m, const PartModel& part, const InitialPoint& point, double* record) {
   const PartStore& store = *part.store;

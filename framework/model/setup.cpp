@@ -341,10 +341,6 @@ void set_force_quantum(Model& model) {
   model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
 }
 
-}  // namespace
-
-namespace {
-
 /// What the laws of a material keep; `first` is set to where the state of the first criterion begins.
 PartStore::Variables variables_of(const MaterialInput& material, int& first) {
   PartStore::Variables all;

@@ -6,16 +6,18 @@
 #include <algorithm>
 #include <sstream>
 
+#include "core/assert.hpp"
 #include "core/diagnostics.hpp"
 #include "model/migrator.hpp"
 #include "output/restart.hpp"
-#include "parallel/communicator.hpp"
+#include "parallel/fetch_by_id.hpp"
 
 namespace kerf {
 
 namespace {
 
 constexpr int n_node_integers = 12, n_node_reals = 10;  // of one node
+constexpr int first_contact_force = 6;  // of these integers, six are the force and friction of contact
 
 /// Force and friction of each owned node, six numbers one after another.
 std::vector<std::int64_t> forces_of(const NodeStore& nodes, const ContactLoad& load) {
@@ -73,19 +75,14 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
   const ExternalLoad& loads = simulation.external_load();
   for (std::size_t k = 0; k < loads.nodes.size(); ++k)
     std::copy_n(&loads.force[4 * k], 3, &external[3 * static_cast<std::size_t>(loads.nodes[k])]);
-  std::vector<std::array<std::int64_t, 6>> contact(static_cast<std::size_t>(nodes.n()));
-  const ContactLoad& load = simulation.contact_load();
-  for (std::size_t k = 0; k < load.nodes.size(); ++k)
-    for (int d = 0; d < 3; ++d) {
-      contact[load.nodes[k]][d] = load.force[4 * k + d];
-      contact[load.nodes[k]][3 + d] = load.friction[4 * k + d];
-    }
+  const std::vector<std::int64_t> contact = forces_of(nodes, simulation.contact_load());
   for (int i = 0; i < nodes.n(); ++i) {
     if (!nodes.owned[i]) continue;
     const NodeRecord r = nodes.record(i);
     ids.push_back(r.id);
     integers.insert(integers.end(), {r.membership, r.part, r.free, r.force[0], r.force[1], r.force[2]});
-    integers.insert(integers.end(), contact[i].begin(), contact[i].end());
+    const auto force = contact.begin() + 6 * static_cast<std::ptrdiff_t>(ids.size() - 1);
+    integers.insert(integers.end(), force, force + 6);
     const auto at = external.begin() + 3 * static_cast<std::ptrdiff_t>(i);
     external_of_owned.insert(external_of_owned.end(), at, at + 3);
     reals.insert(reals.end(),
@@ -136,27 +133,35 @@ Accounts accounts_from(const std::vector<std::int64_t>& stored) {
 /// Hands every rank the records of the nodes that its elements need, by way of each node's home rank.
 std::vector<NodeRecord> deliver(const Model& model, const std::vector<NodeRecord>& share,
                                 std::vector<std::int64_t> wanted) {
-  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  std::vector<std::vector<NodeRecord>> home(n_ranks);
-  for (const NodeRecord& r : share) home[r.id % n_ranks].push_back(r);
-  std::vector<NodeRecord> mine;
-  for (const auto& list : all_to_all(model.comm, home)) mine.insert(mine.end(), list.begin(), list.end());
-  std::sort(mine.begin(), mine.end(), [](const NodeRecord& a, const NodeRecord& b) { return a.id < b.id; });
-  std::vector<std::vector<std::int64_t>> requests(n_ranks);
-  for (const std::int64_t id : wanted) requests[id % n_ranks].push_back(id);
-  std::vector<std::vector<NodeRecord>> replies(n_ranks);
-  const auto asked = all_to_all(model.comm, requests);
-  for (std::size_t r = 0; r < n_ranks; ++r)
-    for (const std::int64_t id : asked[r])
-      replies[r].push_back(*std::lower_bound(mine.begin(), mine.end(), id,
-                                             [](const NodeRecord& n, std::int64_t v) { return n.id < v; }));
+  const Fetched<NodeRecord> fetched = fetch_by_id(model.comm, share, wanted);
+  KERF_ASSERT(fetched.wanted.size() == wanted.size(), "the file has every node of its elements");
   std::vector<NodeRecord> result;
-  for (const NodeRecord& n : mine)
+  for (const NodeRecord& n : fetched.at_home)
     if (n.free != 0) result.push_back(n);  // nobody asks for free nodes: they stay at home
-  for (const auto& list : all_to_all(model.comm, replies)) result.insert(result.end(), list.begin(), list.end());
+  result.insert(result.end(), fetched.wanted.begin(), fetched.wanted.end());
   return result;
+}
+
+/// Contact forces of owned nodes as the file has them, for all ranks, because nobody knows yet who will own a node:
+/// those that are not zero are few. `force(i)` is where the six numbers of node `i` of this rank's share stand.
+/// Collective.
+template <class Force>
+ForceByNode spread(const Model& model, const std::vector<NodeRecord>& share, const Force& force) {
+  struct Load {
+    std::int64_t id, force[6];  // of contact, and of friction
+  };
+  std::vector<Load> loads;
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    Load load{share[i].id, {}};
+    std::copy_n(force(i), 6, load.force);
+    if (load.force[0] != 0 || load.force[1] != 0 || load.force[2] != 0) loads.push_back(load);
+  }
+  ForceByNode by_node;
+  for (const auto& list : all_to_all(model.comm, std::vector(static_cast<std::size_t>(model.n_ranks()), loads)))
+    for (const Load& l : list) std::copy_n(l.force, 6, by_node[l.id].begin());
+  return by_node;
 }
 
 /// `n_contacts`: definitions of which books are kept.
@@ -183,10 +188,6 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, std::size_t n_c
   const auto& integers = e.integer("integers", n_node_integers);
   const auto& reals = e.real("reals", n_node_reals);
   std::vector<NodeRecord> share(e.gids.size());
-  struct Load {
-    std::int64_t id, force[6];  // of contact, and of friction
-  };
-  std::vector<Load> loads;
   for (std::size_t i = 0; i < share.size(); ++i) {
     NodeRecord& r = share[i];
     const std::int64_t* k = &integers[n_node_integers * i];
@@ -200,7 +201,6 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, std::size_t n_c
     std::copy_n(real + 3, 3, r.velocity);
     r.mass = real[6];
     std::copy_n(real + 7, 3, r.reference);
-    if (k[6] != 0 || k[7] != 0 || k[8] != 0) loads.push_back({r.id, {k[6], k[7], k[8], k[9], k[10], k[11]}});
   }
   if (!model.input->loads.empty()) {
     const auto& external = e.integer("loads", 3);
@@ -211,20 +211,10 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, std::size_t n_c
   }
   for (std::size_t c = 0; c < n_contacts; ++c) {
     const auto& forces = e.integer(fmt::format("contact_{}", c + 1), 6);
-    std::vector<Load> of_contact;
-    for (std::size_t i = 0; i < share.size(); ++i) {
-      Load load{share[i].id, {}};
-      std::copy_n(&forces[6 * i], 6, load.force);
-      if (load.force[0] != 0 || load.force[1] != 0 || load.force[2] != 0) of_contact.push_back(load);
-    }
-    auto& by_node = progress.force_of_contact.emplace_back();
-    for (const auto& list : all_to_all(model.comm, std::vector(static_cast<std::size_t>(model.n_ranks()), of_contact)))
-      for (const Load& l : list) std::copy_n(l.force, 6, by_node[l.id].begin());
+    progress.force_of_contact.push_back(spread(model, share, [&](std::size_t i) { return &forces[6 * i]; }));
   }
-  // Who will own a node is not known yet: every rank gets all loads, which are few.
-  std::vector<std::vector<Load>> to_all(static_cast<std::size_t>(model.n_ranks()), loads);
-  for (const auto& list : all_to_all(model.comm, to_all))
-    for (const Load& l : list) std::copy_n(l.force, 6, progress.contact_force[l.id].begin());
+  progress.contact_force =
+      spread(model, share, [&](std::size_t i) { return &integers[n_node_integers * i + first_contact_force]; });
   bundle.nodes = deliver(model, share, std::move(wanted));
   return bundle;
 }

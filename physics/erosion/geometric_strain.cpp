@@ -14,25 +14,20 @@ struct GeometricStrain final : PointwiseErosion<GeometricStrain> {
   double limit = 0.0;  // [-]
   using Reads = NoVariables;
   struct State {
-    double xx, yy, zz, xy, yz, zx, effective;
+    SymTensor strain;
+    double effective;
   };
 
   static void describe(Schema<GeometricStrain>& s) {
     s.real(&GeometricStrain::limit, "limit", "-", positive, "effective geometric strain at failure");
     describe_interval(s);
-    s.state(&State::xx, "strain_xx", "-", 0.0, "accumulated strain, xx");
-    s.state(&State::yy, "strain_yy", "-", 0.0, "accumulated strain, yy");
-    s.state(&State::zz, "strain_zz", "-", 0.0, "accumulated strain, zz");
-    s.state(&State::xy, "strain_xy", "-", 0.0, "accumulated strain, xy (tensor component)");
-    s.state(&State::yz, "strain_yz", "-", 0.0, "accumulated strain, yz (tensor component)");
-    s.state(&State::zx, "strain_zx", "-", 0.0, "accumulated strain, zx (tensor component)");
+    s.state(&State::strain, "strain", "-", "accumulated strain");
     s.state(&State::effective, "effective_geometric_strain", "-", 0.0, "sqrt(2/3 e:e) of the accumulated strain");
   }
   Verdict judge_point(const ErosionInputPoint& in, const Reads&, State& state) const {
-    const SymTensor old{state.xx, state.yy, state.zz, state.xy, state.yz, state.zx};
-    const SymTensor e = rotate(old, in.rotation) + in.strain_increment;
+    const SymTensor e = state.strain + in.strain_increment;
     const double effective = equivalent_strain(e);
-    state = {e.xx, e.yy, e.zz, e.xy, e.yz, e.zx, effective};
+    state = {e, effective};
     return {effective, select(effective >= limit, 1.0, 0.0)};
   }
 };

@@ -10,6 +10,7 @@
 
 #include "output/collective.hpp"
 #include "output/columns.hpp"
+#include "parallel/shared_folder.hpp"
 #include "support/hdf5_reader.hpp"
 
 namespace kerf {
@@ -22,24 +23,11 @@ using testing::HasSubstr;
 const std::vector<ColumnTable> tables = {{"nose", "gauge", {{"pressure", "Pa", "of the element"}, {"id", "-", ""}}},
                                          {"rod", "part_history", {{"mass", "kg", "of live elements"}}}};
 
-class Columns : public testing::Test {
+class Columns : public test::SharedFolder {
  protected:
   void SetUp() override {
-    int started = 0;
-    MPI_Initialized(&started);
-    if (!started) MPI_Init(nullptr, nullptr);
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    char name[] = "/tmp/kerf_columns_XXXXXX";
-    if (rank == 0) {
-      ASSERT_NE(mkdtemp(name), nullptr);
-    }
-    MPI_Bcast(name, sizeof name, MPI_CHAR, 0, MPI_COMM_WORLD);
-    folder = name;
+    SharedFolder::SetUp();
     path = folder + "/history.h5";
-  }
-  void TearDown() override {
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (rank == 0) fs::remove_all(folder);
   }
 
   /// The values of rank 0 count; others pass something else.
@@ -49,8 +37,7 @@ class Columns : public testing::Test {
   }
   std::vector<double> read(const std::string& name) { return read_table<double>(path, name); }
 
-  int rank = 0;
-  std::string folder, path;
+  std::string path;
 };
 
 TEST_F(Columns, a_new_file_is_there_at_once_and_empty) {

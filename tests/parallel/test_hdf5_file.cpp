@@ -11,6 +11,7 @@
 #include "output/checksum.hpp"
 #include "output/collective.hpp"
 #include "output/hdf5_file.hpp"
+#include "parallel/shared_folder.hpp"
 #include "support/hdf5_reader.hpp"
 
 namespace kerf {
@@ -30,25 +31,11 @@ TEST(Checksum, has_the_values_of_the_published_definitions) {
   EXPECT_EQ(lookup3(bytes_of("Four score and seven years ago")), 0x17770551u);
 }
 
-class Hdf5FileTest : public testing::Test {
+class Hdf5FileTest : public test::SharedFolder {
  protected:
   void SetUp() override {
-    int started = 0;
-    MPI_Initialized(&started);
-    if (!started) MPI_Init(nullptr, nullptr);
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    MPI_Comm_size(MPI_COMM_WORLD, &n_ranks);
-    char name[] = "/tmp/kerf_hdf5_file_XXXXXX";
-    if (rank == 0) {
-      ASSERT_NE(mkdtemp(name), nullptr);
-    }
-    MPI_Bcast(name, sizeof name, MPI_CHAR, 0, MPI_COMM_WORLD);
-    folder = name;
+    SharedFolder::SetUp();
     path = folder + "/file.h5";
-  }
-  void TearDown() override {
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (rank == 0) fs::remove_all(folder);
   }
 
   /// Adds chunks of one row of two numbers; the ranks take turns.
@@ -62,8 +49,7 @@ class Hdf5FileTest : public testing::Test {
     file.root.set("rows", rows);
   }
 
-  int rank = 0, n_ranks = 1;
-  std::string folder, path;
+  std::string path;
 };
 
 // 64 chunks fill a node of the index, 4096 two levels of it.

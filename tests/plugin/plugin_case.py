@@ -1,5 +1,6 @@
 """Building a plugin as its author would, against the tree that the tests run."""
 
+import json
 import os
 import subprocess
 from pathlib import Path
@@ -29,3 +30,10 @@ def build(source, folder, library):
     done = call("cmake", "--build", folder)
     assert done.returncode == 0, done.stdout + done.stderr
     return folder / library
+
+
+def run(case, plugin, output, *options):
+    """The summary of a run that has to end well."""
+    done = call(KERF, "run", case, "--plugin", plugin, "--output", output, *options, cwd=output.parent)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads((output / "summary.json").read_text())

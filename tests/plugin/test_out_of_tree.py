@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from plugin_case import BUILD, HERE, KERF, SOURCE, build, cached, call
+from plugin_case import BUILD, HERE, KERF, SOURCE, build, cached, call, run
 
 # A Taylor test: the bar flies against a rigid wall and is upset there.
 CASE = """
@@ -52,12 +52,6 @@ def case(tmp_path_factory):
     path = tmp_path_factory.mktemp("case") / "taylor.yaml"
     path.write_text(CASE)
     return path
-
-
-def run(case, plugin, output, *options):
-    done = call(KERF, "run", case, "--plugin", plugin, "--output", output, *options, cwd=output.parent)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return json.loads((output / "summary.json").read_text())
 
 
 def test_list_shows_the_type_beside_the_built_in_ones(plugin):

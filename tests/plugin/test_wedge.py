@@ -1,12 +1,11 @@
 """An element of another shape, out of the tree: wedges and hexahedra meet in surface, contact, erosion and output."""
 
-import json
 import shutil
 
 import numpy as np
 import pytest
 
-from plugin_case import HERE, KERF, build, call
+from plugin_case import HERE, KERF, build, call, run
 
 # A block of wedges flies into a plate of hexahedra; both erode.
 CASE = """
@@ -47,12 +46,6 @@ def case(tmp_path_factory):
     path = tmp_path_factory.mktemp("case") / "wedges.yaml"
     path.write_text(CASE)
     return path
-
-
-def run(case, plugin, output, *options):
-    done = call(KERF, "run", case, "--plugin", plugin, "--output", output, *options, cwd=output.parent)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return json.loads((output / "summary.json").read_text())
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,8 @@
 #include "kerf/eos.hpp"
 #include "kerf/erosion.hpp"
 #include "kerf/material.hpp"
+#include "kerf/solid_laws.hpp"
+#include "model/aligned.hpp"
 #include "support/make_law.hpp"
 
 namespace kerf::test {
@@ -94,7 +96,7 @@ class ErosionPoint {
   /// `read` is the value of the one variable that the criterion reads, if any.
   Verdict judge(const ErosionInputPoint& in, double read = 0.0) { return judge(in, std::vector<double>{read}); }
   Verdict judge(const ErosionInputPoint& in, const std::vector<double>& read) {
-    double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
+    alignas(64) double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
     double strength[lane_width], tension[lane_width];
     std::fill_n(strength, lane_width, 1.0);
     std::fill_n(tension, lane_width, 1.0);
@@ -128,13 +130,17 @@ class ErosionPoint {
     b.state = state_.data();
     b.value = value;
     b.failed = failed;
+    std::vector<int> tensors;  // which the element rotates before it calls the law
+    for (const StateVariable& v : law_->state_variables())
+      if (v.begins_tensor) tensors.push_back(v.index);
+    detail::rotate_tensors(tensors, rotation, state_.data());
     law_->judge(b);
     return {value[0], failed[0], strength[0], tension[0]};
   }
 
  private:
   std::unique_ptr<ErosionCriterion> law_;
-  std::vector<double> state_;
+  AlignedVector<double> state_;
 };
 
 }  // namespace kerf::test

@@ -19,7 +19,8 @@ namespace kerf {
 class ErosionJudge {
  public:
   virtual ~ErosionJudge() = default;
-  /// Judges one block; `rows` are filled by the element as in ErosionBatch, reads and states by the engine.
+  /// Judges one block; `rows` are filled by the element as in ErosionBatch, reads and states by the engine. All rows
+  /// begin on boundaries of 64 bytes.
   /// Returns a bit mask of failed lanes; `block` is the block's number within the part.
   virtual unsigned judge(ErosionBatch& rows, int block) = 0;
   /// What the criteria have asked for together, of `Inputs`.

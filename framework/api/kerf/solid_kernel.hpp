@@ -357,7 +357,8 @@ class SolidKernel {
   [[gnu::always_inline]] void predict_energy(Work& w, int block, int lane, bool uses_energy, Piece& p,
                                              Rows& rows) const {
     if (finds_elastic_share_) {
-      p.elastic_share = elastic_share(lane, p.s, rows);
+      if (!w.softening) [[likely]]
+        p.elastic_share = elastic_share(lane, p.s, rows);
       p.solid = load_lanes(rows.modulus + lane) > Real(0.0) ? lanes(Real(1.0)) : V{};
     }
     if (w.softening) [[unlikely]]

@@ -37,18 +37,21 @@ template <class Real>
     fill_asked(w, block, access.inputs, rows, asked, out);
 }
 
-/// Rotates the tensors of a law's state with the material.
-template <class Real>
-[[gnu::noinline]] void rotate_tensors(std::span<const int> tensors, const StepStrain<Real>& step, double* state) {
-  StepStrain<double> in_doubles;
-  const StepStrain<double>& wide = widen(step, in_doubles);
+/// Rotates the tensors of a law's state with the material. Pre: both arrays begin on boundaries of 64 bytes.
+[[gnu::noinline]] inline void rotate_tensors(std::span<const int> tensors, const double (&rotation)[9][lane_width],
+                                             double* state) {
   for (const int first : tensors)
     for (int lane = 0; lane < lane_width; lane += register_lanes) {
       Lanes t[6];
       for (int i = 0; i < 6; ++i) t[i] = load_lanes(state + (first + i) * lane_width + lane);
-      rotate_rows<double>(wide.rotation, lane, t);
+      rotate_rows<double>(rotation, lane, t);
       for (int i = 0; i < 6; ++i) store_lanes(state + (first + i) * lane_width + lane, t[i]);
     }
+}
+template <class Real>
+void rotate_tensors(std::span<const int> tensors, const StepStrain<Real>& step, double* state) {
+  StepStrain<double> in_doubles;
+  rotate_tensors(tensors, widen(step, in_doubles).rotation, state);
 }
 
 /// Components of ElementArrays::softening.
