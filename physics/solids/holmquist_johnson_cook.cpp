@@ -74,16 +74,19 @@ struct HolmquistJohnsonCook final : PointwiseSolid<HolmquistJohnsonCook> {
 
   void update_point(const SolidInput& in, SymTensor& stress, State& state, SolidModuli& moduli) const {
     const double mu = in.density / in.reference_density - 1.0;
-    const double rate = equivalent_strain(deviator(in.strain_increment)) / (in.dt * reference_rate + tiny<double>);
-    const double rate_factor = 1.0 + C * positive_log(max_of(rate, 1.0));
+    const double strain = equivalent_strain(deviator(in.strain_increment));
+    const double rate_factor = 1.0 + C * positive_log(max_of(strain / (in.dt * reference_rate + tiny<double>), 1.0));
     const Pores pores = crushed(mu, state.greatest_mu);
     // Strength at the pressure of the end of the step, with the damage of its start as far as it limits the tension.
     const double pressure = max_of(pores.pressure, -limit_of_tension(state.damage));
-    const double failure_strain = max_of(D1 * power(max_of((pressure + T) / fc, 0.0), D2), least_failure_strain);
-    const double crushing = max_of(pores.plastic_mu - state.plastic_mu, 0.0) / failure_strain;
-    const double before = min_of(state.damage + crushing, 1.0);
     const SymTensor trial = deviator(stress) + (2.0 * G) * deviator(in.strain_increment);
-    const double q = von_mises(trial);
+    const double q = von_mises(trial), crushing = max_of(pores.plastic_mu - state.plastic_mu, 0.0);
+    // Damage grows at the mean pressure of that part of the step in which pores are crushed or the point yields.
+    const double over = (q - strength(pressure, state.damage, rate_factor)) / (3.0 * G * strain + tiny<double>);
+    const double part = select(crushing > 0.0, 1.0, clamp_to(over, 0.0, 1.0));
+    const double mean = pressure + 0.5 * part * (-(1.0 / 3.0) * stress.trace() - pressure);
+    const double failure_strain = max_of(D1 * power(max_of((mean + T) / fc, 0.0), D2), least_failure_strain);
+    const double before = min_of(state.damage + crushing / failure_strain, 1.0);
     // Where tension has used up the strength, what round-off leaves of a stress must not damage the point.
     const bool yields = q > strength(pressure, before, rate_factor) + round_off * fc;
     const double grown = before + plastic_strain(q, pressure, before, rate_factor, failure_strain) / failure_strain;
