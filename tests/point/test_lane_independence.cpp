@@ -33,7 +33,15 @@ const std::map<std::string, std::string> solids = {
     {"johnson_holmquist_2",
      "{shear_modulus: 80e9, A: 0.93, B: 0.31, C: 0.01, M: 0.6, N: 0.6, tensile_strength: 0.2e9, "
      "hugoniot_elastic_limit: "
-     "2.8e9, hugoniot_elastic_pressure: 1.46e9, D1: 0.1, D2: 1.0, K1: 131e9}"}};
+     "2.8e9, hugoniot_elastic_pressure: 1.46e9, D1: 0.1, D2: 1.0, K1: 131e9}"},
+    {"holmquist_johnson_cook",
+     "{shear_modulus: 14.86e9, compressive_strength: 48e6, A: 0.79, B: 1.6, N: 0.61, C: 0.007, most_strength: 7, "
+     "tensile_strength: 4e6, crush_pressure: 16e6, crush_mu: 0.001, lock_pressure: 0.8e9, lock_mu: 0.1, K1: 85e9, "
+     "K2: -171e9, K3: 208e9, D1: 0.04, least_failure_strain: 0.01}"},
+    {"drucker_prager",
+     "{shear_modulus: 50e6, yield: quadratic, a0: 3.4e9, a1: 70330, a2: 0.3, tension_limit: 1e4, "
+     "compactions: [0, 0.01, 0.03, 0.1, 0.2], pressures: [0, 2e6, 5e6, 40e6, 500e6], unloading_moduli: [3e8, 4e8, 6e8, "
+     "2e9, 1e10]}"}};
 const std::map<std::string, std::string> equations = {
     {"linear", "{bulk_modulus: 160e9}"},
     {"linear_polynomial", "{C1: 160e9, C2: 1e9, C3: 3e9, C4: 1.9, C5: 0.3, C6: 0.1}"},

@@ -47,9 +47,10 @@ struct CompactionTable {
            [](const Table& t) { return t.ascends(); });
     s.rule("pressures", "pressures must be as many values as compactions, start with 0 and never fall",
            [](const Table& t) { return t.never_falls(); });
-    s.rule("unloading_moduli", "unloading_moduli must be one value, or as many as compactions", [](const Table& t) {
-      return t.unloading_moduli.size() == 1 || t.unloading_moduli.size() == t.compactions.size();
-    });
+    s.rule(
+        "unloading_moduli",
+        "unloading_moduli must be one value, or as many as compactions; with `unloading: along_table` there are none",
+        [](const Table& t) { return t.has_right_moduli(); });
     s.rule("unloading_moduli",
            "unloading_moduli must be above the slope of the pressures that leads up to each point, else a cycle of "
            "unloading and loading would gain energy",
@@ -132,10 +133,7 @@ struct CompactionTable {
     if (!ascends() || !never_falls() || !has_right_moduli() || !is_lasting()) return true;
     for (std::size_t i = 1; i < compactions.size(); ++i) {
       const double slope = (pressures[i] - pressures[i - 1]) / (compactions[i] - compactions[i - 1]);
-      const double modulus = unloading_moduli.size() == 1  ? unloading_moduli[0]
-                             : i < unloading_moduli.size() ? unloading_moduli[i]
-                                                           : slope + 1.0;
-      if (!(modulus > slope)) return false;
+      if (!(unloading_moduli[unloading_moduli.size() == 1 ? 0 : i] > slope)) return false;
     }
     return true;
   }
