@@ -98,7 +98,7 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan> {
     const double adiabatic = start * (1.0 - grueneisen * expansion), per_density = specific_volume * volume_ratio;
     const double work = double_dot(stress, increment) * per_density;
     // (ii) share of the strength that pressure and temperature leave
-    const double temperature = max_of(adiabatic + work, 0.0) / cv;
+    const double temperature = temperature_of(adiabatic + work);
     const double compression = 1.0 / volume_ratio;  // rho/rho0
     const double melts = melting * kerf::exp(2.0 * a * (1.0 - volume_ratio)) *
                          positive_power(compression, 2.0 * (gamma0 - a - 1.0 / 3.0));
@@ -116,7 +116,7 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan> {
     stress = returned;
     state.effective_plastic_strain += d;
     state.plastic_strain_rate = d / (in.dt + tiny<double>);
-    state.temperature = max_of(adiabatic + mean_work, 0.0) / cv;
+    state.temperature = temperature_of(adiabatic + mean_work);
     state.melting_temperature = melts;
     state.shear_modulus = shear_modulus = G;
     state.volume_ratio = volume_ratio;
@@ -142,6 +142,11 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan> {
     state.cold_pressure = if_cold + grueneisen * energy;
     state.cold_volume_ratio = state.volume_ratio;
     return in.specific_energy - energy;
+  }
+
+  /// Not below 0, but what is not a number stays that.
+  [[gnu::always_inline]] double temperature_of(double thermal) const {
+    return select(thermal < 0.0, 0.0, thermal / cv);
   }
 
   /// Root d of r(d) = 3 G d + Y(ep + d) - q, over g. r increases and is concave: Newton's method climbs to the root.

@@ -184,6 +184,12 @@ TEST(TabulatedHardening, heats_and_softens_by_the_table_of_temperatures) {
   EXPECT_NEAR(von_mises(point.deviator()) / (5e8 * (1.0 - (wanted - 300.0) / 1000.0)), 1.0, 1e-4);
 }
 
+TEST(TabulatedHardening, not_a_number_stays_visible) {
+  auto point = point_of("tabulated_hardening",
+                        "{shear_modulus: 80e9, curves: [{plastic_strain: [0, 0.1], yield_stress: [4e8, 5e8]}]}");
+  EXPECT_TRUE(std::isnan(point.step(shear(std::nan(""))).xy));
+}
+
 TEST(TabulatedHardening, refuses_what_is_no_curve) {
   const auto says = [](const std::string& strain, const std::string& stress, const std::string& more = "") {
     return refusal(
@@ -253,8 +259,6 @@ TEST(SteinbergGuinan, melting_temperature_follows_the_density) {
 }
 
 TEST(SteinbergGuinan, hardening_is_solved_and_bounded) {
-  auto point = point_of("steinberg_guinan", "{" + copper + ", B: 0, A: 0}", 8930.0);
-  (void)point;
   auto cold = point_of("steinberg_guinan",
                        "{shear_modulus: 47.7e9, yield_stress: 0.12e9, maximum_yield_stress: 0.64e9, beta: 2000, n: "
                        "0.16, A: 0, B: 0, melting_temperature: 1790, gamma0: 2.02, a: 1.5, specific_heat: 383}",
@@ -265,6 +269,11 @@ TEST(SteinbergGuinan, hardening_is_solved_and_bounded) {
     const double wanted = std::min(0.12e9 * std::pow(1.0 + 2000.0 * ep, 0.16), 0.64e9);
     EXPECT_NEAR(von_mises(cold.deviator()) / wanted, 1.0, 1e-10) << ep;  // of six iterations
   }
+}
+
+TEST(SteinbergGuinan, not_a_number_stays_visible) {
+  auto point = point_of("steinberg_guinan", "{" + copper + "}", 8930.0);
+  EXPECT_TRUE(std::isnan(point.step(shear(std::nan(""))).xy));
 }
 
 TEST(SteinbergGuinan, molten_copper_has_no_strength) {
@@ -312,6 +321,42 @@ TEST(NewtonianFluid, viscosity_bounds_the_stable_step) {
     EXPECT_NEAR(stable_step(viscosity) / (h / (v + std::sqrt(v * v + c * c))), 1.0, 1e-10) << viscosity;
   }
   EXPECT_NEAR(stable_step(1e6) / (1000.0 * h * h / (8.0 / 3.0 * 1e6)), 1.0, 1e-6);
+}
+
+/// Kinetic energy over that of the start of a column of viscous cells after 60 steps of `factor` times the stable one.
+/// Its nodes move along it only; their velocities alternate, which is the column's fastest motion.
+double kinetic_share(double factor) {
+  constexpr int n = 12;
+  constexpr double h = 1e-3, density = 1000.0;
+  PartLaws laws;
+  laws.element = "{linear_viscosity: 0, quadratic_viscosity: 0}";
+  laws.density = density;
+  laws.strength = "newtonian_fluid";
+  laws.strength_parameters = "{viscosity: 1e4}";  // v is 13 times c
+  laws.eos_parameters = "{bulk_modulus: 1e9}";
+  const CellMesh mesh = distorted_block(n, 1, 1, h, 0.0, 1);
+  OnePart part(mesh, laws);
+  part.initialise();
+  std::vector<double> mass(mesh.x.size(), 0.0);
+  for (const auto& element : mesh.elements)
+    for (const std::int32_t node : element) mass[node] += density * h * h * h / 8.0;
+  const auto kinetic = [&] {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < mass.size(); ++i) sum += 0.5 * mass[i] * part.v[i].x * part.v[i].x;
+    return sum;
+  };
+  for (std::size_t i = 0; i < mass.size(); ++i) part.v[i].x = std::lround(mesh.x[i].x / h) % 2 == 0 ? 1e-3 : -1e-3;
+  const double start = kinetic(), dt = factor * part.stable_step();
+  for (int i = 0; i < 60; ++i) {
+    part.step(dt);
+    for (std::size_t k = 0; k < mass.size(); ++k) part.v[k].x += part.force(static_cast<int>(k)).x / mass[k] * dt;
+  }
+  return kinetic() / start;
+}
+
+TEST(NewtonianFluid, runs_at_its_stable_step_and_not_beyond) {
+  EXPECT_LE(kinetic_share(0.98), 1.0);
+  EXPECT_GE(kinetic_share(1.1), 100.0);
 }
 
 // ------------------------------------------------------------------------------------------------ rubber
