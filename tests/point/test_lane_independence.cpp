@@ -2,6 +2,7 @@
 // which elements share a block is a matter of the partition. Compilers break that where they peel lanes off a loop.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -19,12 +20,25 @@ using kerf::test::builtin_plugins;
 using kerf::test::make_law;
 
 const std::map<std::string, std::string> materials = {
+    {"cowper_symonds",
+     "{shear_modulus: 80e9, yield_stress: 4e8, hardening_modulus: 5e9, isotropic_share: 0.3, C: 40.4, P: 5}"},
     {"elastic", "{shear_modulus: 80e9}"},
     {"elastic_plastic", "{shear_modulus: 80e9, yield_stress: 4e8, hardening_modulus: 5e8}"},
     {"hydrodynamic", "{}"},
     {"johnson_cook",
      "{shear_modulus: 79.6e9, A: 806e6, B: 614e6, n: 0.168, C: 0.0089, m: 1.1, reference_temperature: 293.15, "
      "melting_temperature: 1813.15, specific_heat: 460}"},
+    {"mooney_rivlin", "{C10: 30e9, C01: 10e9}"},
+    {"neo_hookean", "{shear_modulus: 80e9}"},
+    {"newtonian_fluid", "{viscosity: 100}"},
+    {"steinberg_guinan",
+     "{shear_modulus: 47.7e9, yield_stress: 0.12e9, maximum_yield_stress: 0.64e9, beta: 36, n: 0.45, A: 2.83e-11, "
+     "B: 3.77e-4, melting_temperature: 1790, gamma0: 2.02, gamma_slope: 0.47, a: 1.5, specific_heat: 383}"},
+    {"tabulated_hardening",
+     "{shear_modulus: 80e9, curves: [{plastic_strain_rate: 1, plastic_strain: [0, 0.05, 0.1], yield_stress: [4e8, 5e8, "
+     "4.5e8]}, {plastic_strain_rate: 1e3, plastic_strain: [0, 0.1], yield_stress: [5e8, 6e8]}], rate_interpolation: "
+     "logarithmic, beyond: last_slope, C: 40.4, P: 5, temperatures: [300, 1000], temperature_factors: [1, 0.2], "
+     "specific_heat: 460}"},
     {"mixed_hardening", "{shear_modulus: 80e9, yield_stress: 4e8, hardening_modulus: 5e9, isotropic_share: 0.3}"},
     {"zerilli_armstrong",
      "{shear_modulus: 80e9, C0: 65e6, C1: 1033e6, C3: 0.00698, C4: 0.000415, C5: 266e6, n: 0.289, specific_heat: "
@@ -55,7 +69,7 @@ const std::map<std::string, std::string> equations = {
 /// Everything that a law reads and writes of one block, of an element that computes with numbers of type `Real`.
 template <class Real>
 struct Block {
-  static constexpr int n_rows = 6 + 6 + 3, n_state = 8;  // strain, deviator; density, energy, pressure
+  static constexpr int n_rows = 6 + 6 + 3, n_state = 12;  // strain, deviator; density, energy, pressure
   using Row = Real[lane_width];
   alignas(64) Real rows[n_rows][lane_width] = {}, outputs[2][lane_width] = {};
   alignas(64) double states[n_state][lane_width] = {};
@@ -123,9 +137,18 @@ void expect_lanes_alike(int n_state, const Update& update, const std::string& na
   }
 }
 
+/// A turn about z by 0.1 of all points, as rows.
+const double (*turn())[lane_width] {
+  alignas(64) static double rows[9][lane_width];
+  const double one[9] = {std::cos(0.1), -std::sin(0.1), 0.0, std::sin(0.1), std::cos(0.1), 0.0, 0.0, 0.0, 1.0};
+  for (int i = 0; i < 9; ++i) std::fill_n(rows[i], lane_width, one[i]);
+  return rows;
+}
+
 template <class Real>
 MaterialRows<Real> rows_of(Block<Real>& b) {
   MaterialRows<Real> m;
+  m.rotation = turn();
   m.dt = 1e-7;
   m.reference_density = 7850.0;
   m.strain_increment = b.strain();

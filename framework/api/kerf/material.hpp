@@ -73,6 +73,8 @@ class Material : public Law {
       b.shear_modulus[l] = static_cast<float>(modulus[l]);
     }
   }
+  /// Greatest dynamic viscosity of the deviator, for the stable step, where the law is that of a fluid [Pa s].
+  virtual double viscosity() const { return 0.0; }
 };
 
 /// A material whose law is `void update_point(const PointInput&, SymTensor& deviator, State&, double& shear_modulus)

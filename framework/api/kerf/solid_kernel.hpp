@@ -93,9 +93,10 @@ class SolidKernel {
 
   void run(Work& w) const {
     Totals totals;
+    const Real law_viscosity = longitudinal_viscosity(w);
     for (int block = 0; block < w.n_blocks; ++block) {
       fetch_ahead<n_nodes, Motion::newest_node>(w, block);
-      update_block(w, block, totals);
+      update_block(w, block, law_viscosity, totals);
     }
     for (int l = 0; l < lane_width; ++l) w.hourglass_energy += totals.hourglass_energy[l];
   }
@@ -182,7 +183,8 @@ class SolidKernel {
                                       V rho) const {
     const V closing = max_of(-initial_dilatation_rate(k), V{});
     const V c2 = (bulk + Real(4.0 / 3.0) * shear) / rho;
-    const V viscosity = linear_viscosity_ * sqrt_of(c2) + quadratic_viscosity_ * k.length * closing;
+    const V viscosity = linear_viscosity_ * sqrt_of(c2) + quadratic_viscosity_ * k.length * closing +
+                        longitudinal_viscosity(w) / (rho * k.length + tiny<Real>);
     const V stable = stable_step(w, block, lane, k, Real(1.0) / k.volume, viscosity, c2, bulk, shear, rho);
     V fastest{};
     for (int l = 0; l < lanes_of<Real>; ++l)
@@ -192,6 +194,11 @@ class SolidKernel {
         if (speed > fastest[l]) fastest[l] = static_cast<Real>(speed);
       }
     return min_of(stable, Real(most_crossed) * k.length / (fastest + tiny<Real>));
+  }
+
+  /// Of the material, against the motion of a plane wave; the stable step has to know it [Pa s].
+  static Real longitudinal_viscosity(const Work& w) {
+    return w.material ? static_cast<Real>(4.0 / 3.0 * w.material->viscosity()) : Real(0.0);
   }
 
   [[gnu::always_inline]] static V initial_dilatation_rate(const Motion& k) {
@@ -240,7 +247,7 @@ class SolidKernel {
     store_lanes(w.least_block + lane, less ? (LaneIntsOf<Real>{} + block) : where);
   }
 
-  [[gnu::always_inline]] void update_block(Work& w, int block, Totals& totals) const {
+  [[gnu::always_inline]] void update_block(Work& w, int block, Real law_viscosity, Totals& totals) const {
     Piece pieces[pieces_of<Real>];
     Rows rows;
     const auto piece = [&pieces](int lane) -> Piece& { return pieces[lane / lanes_of<Real>]; };
@@ -252,7 +259,7 @@ class SolidKernel {
     });
     if (!w.solid) evaluate_eos(w, block, rows, !uses_energy);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) {
-      add_viscosity(w, block, lane, uses_energy, piece(lane), rows);
+      add_viscosity(w, block, lane, uses_energy, law_viscosity, piece(lane), rows);
     });
     if (uses_energy) evaluate_eos(w, block, rows, true);
     each_piece<Real>([&](int lane) __attribute__((always_inline)) { finish_state(w, block, lane, piece(lane), rows); });
@@ -379,8 +386,8 @@ class SolidKernel {
 
   /// Wave speed, bulk viscosity in compression only (von Neumann & Richtmyer 1950; Landshoff 1955), and the centred
   /// energy.
-  [[gnu::always_inline]] void add_viscosity(const Work& w, int block, int lane, bool uses_energy, Piece& p,
-                                            Rows& rows) const {
+  [[gnu::always_inline]] void add_viscosity(const Work& w, int block, int lane, bool uses_energy, Real law_viscosity,
+                                            Piece& p, Rows& rows) const {
     const V wave = load_lanes_as<Real>(rows.bulk + lane) + Real(4.0 / 3.0) * load_lanes(rows.modulus + lane);
     p.wave = wave > Real(0.0) ? wave : V{};
     p.c = sqrt_of(p.wave / p.density) + tiny<Real>;
@@ -392,6 +399,8 @@ class SolidKernel {
     const V quadratic = quadratic_viscosity_ * p.k.length * closing;
     V linear = linear_viscosity_ * p.c;
     p.viscosity = linear + quadratic;
+    if (law_viscosity > Real(0.0)) [[unlikely]]
+      p.viscosity += law_viscosity / (p.density * p.k.length + tiny<Real>);
     if (limited_viscosity_)
       linear *= shock_share<Real>(p.k.length, p.c, dilatation, static_cast<Real>(w.dt), per_dt,
                                   state_at(w, block, dilatation_rate, lane), state_at(w, block, shock_sensor, lane));
