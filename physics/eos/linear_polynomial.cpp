@@ -2,8 +2,7 @@
 //
 // Source: J.O. Hallquist, LS-DYNA Theory Manual (2006), section 22.1 (equation of state form 1).
 #include <kerf/eos.hpp>
-
-#include <limits>
+#include <kerf/tension_limit.hpp>
 
 namespace {
 
@@ -11,11 +10,10 @@ using namespace kerf;
 
 /// p = C0 + C1 mu + C2 mu^2 + C3 mu^3 + (C4 + C5 mu + C6 mu^2) E, with mu = rho/rho0 - 1 and the energy E per
 /// reference volume; C2 and C6 act in compression only.
-struct LinearPolynomial final : PointwiseEos<LinearPolynomial> {
+struct LinearPolynomial final : PointwiseEos<LinearPolynomial>, TensionLimit {
   double C0 = 0.0, C1 = 0.0, C2 = 0.0, C3 = 0.0;  // [Pa]
   double C4 = 0.0, C5 = 0.0, C6 = 0.0;  // [-]
   double initial_energy = 0.0;  // [J/m3]
-  double tension_limit = std::numeric_limits<double>::infinity();  // [Pa]
   using State = NoVariables;
 
   static void describe(Schema<LinearPolynomial>& s) {
@@ -32,9 +30,7 @@ struct LinearPolynomial final : PointwiseEos<LinearPolynomial> {
     s.real(&LinearPolynomial::initial_energy, "initial_energy", "J/m3", any_value,
            "internal energy per reference volume at the start")
         .by_default("0");
-    s.real(&LinearPolynomial::tension_limit, "tension_limit", "Pa", non_negative,
-           "the pressure never falls below minus this; no limit where absent")
-        .optional();
+    describe_tension_limit(s);
     s.rule("C1", "C1 or C4 must be positive, else the material does not resist compression",
            [](const LinearPolynomial& p) { return p.C1 > 0.0 || p.C4 > 0.0; });
   }
@@ -48,7 +44,7 @@ struct LinearPolynomial final : PointwiseEos<LinearPolynomial> {
     const double gamma = C4 + (C5 + c6 * mu) * mu;  // dp/dE
     const double p = C0 + (C1 + (c2 + C3 * mu) * mu) * mu + gamma * E;
     const double slope = C1 + (2.0 * c2 + 3.0 * C3 * mu) * mu + (C5 + 2.0 * c6 * mu) * E;  // dp/dmu
-    return {max_of(-tension_limit, p), max_of(0.0, ratio * slope + gamma * p / ratio)};
+    return {limited(p), max_of(0.0, ratio * slope + gamma * p / ratio)};
   }
 };
 

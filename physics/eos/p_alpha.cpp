@@ -4,6 +4,7 @@
 // 40 (1969) 2490-2499; M.M. Carroll & A.C. Holt, "Suggested modification of the P-alpha model for porous materials",
 // J. Appl. Phys. 43 (1972) 759-761, for the pressure of the solid over the distension.
 #include <kerf/eos.hpp>
+#include <kerf/tension_limit.hpp>
 
 #include <stdexcept>
 
@@ -13,7 +14,7 @@ using namespace kerf;
 
 /// p = p_s(alpha rho, e)/alpha with the solid's Mie-Grueneisen pressure p_s and the distension alpha, which falls with
 /// the pressure on crush(p) = 1 + (alpha0 - 1) ((ps - p)/(ps - pe))^n between pe and ps, and never grows.
-struct PAlpha final : PointwiseEos<PAlpha> {
+struct PAlpha final : PointwiseEos<PAlpha>, TensionLimit {
   double solid_density = 0.0, c0 = 0.0, s = 0.0, gamma0 = 0.0;  // [kg/m3], [m/s], [-], [-]
   double elastic_pressure = 0.0, solid_pressure = 0.0, exponent = 2.0;  // [Pa], [Pa], [-]
 
@@ -30,6 +31,7 @@ struct PAlpha final : PointwiseEos<PAlpha> {
     s.real(&PAlpha::elastic_pressure, "elastic_pressure", "Pa", non_negative, "pressure at which pores begin to close");
     s.real(&PAlpha::solid_pressure, "solid_pressure", "Pa", positive, "pressure at which all pores are closed");
     s.real(&PAlpha::exponent, "exponent", "-", between(1.0, 10.0), "exponent of the crush curve").by_default("2");
+    describe_tension_limit(s);
     s.rule("solid_pressure", "solid_pressure must be above elastic_pressure",
            [](const PAlpha& p) { return p.solid_pressure > p.elastic_pressure; });
     s.state(&State::distension, "distension", "-", 1.0, "density of the solid in the pores' walls over the density")
@@ -51,10 +53,13 @@ struct PAlpha final : PointwiseEos<PAlpha> {
     if (crushes) alpha = crushed(in, old, initial);
     state.distension = alpha;
     // While pores close, a wave of further compression is slower; the modulus of unloading is the safe one.
-    return porous(in, alpha);
+    const EosOutput out = porous(in, alpha);
+    return {limited(out.pressure), out.bulk_modulus};
   }
 
  private:
+  static constexpr double least_room = 0.02;  // as in mie_gruneisen
+
   /// Pressure on the crush curve at a distension [Pa].
   double crush_pressure(double alpha, double initial) const {
     const double share = min_of(max_of((alpha - 1.0) / max_of(initial - 1.0, tiny<double>), 0.0), 1.0);
@@ -78,9 +83,9 @@ struct PAlpha final : PointwiseEos<PAlpha> {
   EosOutput porous(const EosInput& in, double alpha) const {
     const double ratio = alpha * in.density / solid_density, mu = ratio - 1.0;
     const double stiffness = solid_density * c0 * c0, energy = solid_density * in.specific_energy;
-    const double eta = max_of(mu / ratio, 0.0), room = 1.0 / max_of(1.0 - s * eta, 0.02);
+    const double eta = max_of(mu / ratio, 0.0), left = 1.0 - s * eta, room = 1.0 / max_of(left, least_room);
     const double hugoniot = stiffness * eta * room * room;
-    const double hugoniot_slope = stiffness * (1.0 + s * eta) * room * room * room;
+    const double hugoniot_slope = stiffness * select(left > least_room, 1.0 + s * eta, least_room) * room * room * room;
     const bool tension = mu < 0.0;
     const double p =
         select(tension, stiffness * mu + gamma0 * energy, hugoniot * (1.0 - 0.5 * gamma0 * eta) + gamma0 * energy);
