@@ -16,13 +16,12 @@ enum : int { verdicts_component, fade_cycles, fade_criterion, fade_value, fade_s
 
 }  // namespace
 
-PartJudge::PartJudge(const PartModel& part) {
-  const ErosionInput& erosion = *part.material->erosion;
+PartJudge::PartJudge(const ErosionInput& erosion, const PartStore& store, int first_state) {
   fade_out_ = static_cast<int>(erosion.fade_out);
-  const auto [field, component] = part.store->find_variable("no_tension");
+  const auto [field, component] = store.find_variable("no_tension");
   no_tension_ = field == PartStore::erosion_state ? component : -1;
   softens_ = fade_out_ > 0 || no_tension_ >= 0;
-  int next = part.first_criterion_state;
+  int next = first_state;
   for (const auto& law : erosion.criteria) {
     Criterion c;
     c.law = law.get();
@@ -31,7 +30,7 @@ PartJudge::PartJudge(const PartModel& part) {
     c.keeps_state = n_state > 0;
     c.softens = law->softens();
     c.keeps_element = law->then == "no_tension";
-    c.reads = LawReads(*law, *part.store);
+    c.reads = LawReads(*law, store);
     next += n_state;
     asked_ |= law->asked_inputs();
     softens_ = softens_ || c.softens;

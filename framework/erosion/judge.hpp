@@ -12,8 +12,8 @@ namespace kerf {
 /// The criteria of one part's material, combined by its rule.
 class PartJudge final : public ErosionJudge {
  public:
-  /// Pre: the part's material has an erosion block.
-  explicit PartJudge(const PartModel& part);
+  /// `first_state` is where the state of the first criterion begins in the store's erosion state.
+  PartJudge(const ErosionInput& erosion, const PartStore& store, int first_state);
   void begin(PartStore& store, std::int64_t cycle);
   unsigned judge(ErosionBatch& rows, int block) override;
   unsigned asked_inputs() const override { return asked_; }

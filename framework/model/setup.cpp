@@ -341,7 +341,8 @@ void set_force_quantum(Model& model) {
   model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
 }
 
-/// What the laws of a material keep; `first` is set to where the state of the first criterion begins.
+}  // namespace
+
 PartStore::Variables variables_of(const MaterialInput& material, int& first) {
   PartStore::Variables all;
   all.material = material.stress_law().state_variables();
@@ -372,8 +373,6 @@ PartStore::Variables variables_of(const MaterialInput& material, int& first) {
   }
   return all;
 }
-
-}  // namespace
 
 std::vector<const FacetLoad*> facet_loads(const ModelInput& input) {
   std::vector<const FacetLoad*> found;

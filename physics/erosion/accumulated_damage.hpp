@@ -48,12 +48,17 @@ class AccumulatedDamage : public PointwiseErosion<LawType> {
   double softening_at_deletion = -1.0;  // [-]; negative where not given
   std::vector<double> element_lengths, length_factors;  // [m], [-]
   double nonlocal_radius = 0.0;  // [m]
+  std::vector<double> nonlocal_exponents;  // p and q of the plateau; empty where not given
 
   bool softens() const override { return softening != "none"; }
   NonLocalAverage nonlocal() const override {
     NonLocalAverage average;
     average.radius = nonlocal_radius;
     average.bell = nonlocal_weight == "bell";
+    if (!nonlocal_exponents.empty()) {
+      average.p = nonlocal_exponents[0];
+      average.q = nonlocal_exponents[1];
+    }
     average.increment = 2;
     average.sum = 0;
     return average;
@@ -165,8 +170,16 @@ class AccumulatedDamage : public PointwiseErosion<LawType> {
            "radius within which the increments of all elements of the part are averaged; none where absent")
         .optional();
     s.choice(&Law::nonlocal_weight, "nonlocal_weight", {"plateau", "bell"},
-             "weight over the distance r: 1/(1 + (r/L)^8)^2, or (1 - r^2/L^2)^2")
+             "weight over the distance r: 1/(1 + (r/L)^p)^q, or (1 - r^2/L^2)^2")
         .by_default("plateau");
+    s.reals(&Law::nonlocal_exponents, "nonlocal_exponents", "-", positive,
+            "p and q of the plateau; 8 and 2 where absent")
+        .optional();
+    s.rule("nonlocal_exponents", "nonlocal_exponents are two, and act with nonlocal_radius and the plateau only",
+           [](const Law& l) {
+             return l.nonlocal_exponents.empty() ||
+                    (l.nonlocal_exponents.size() == 2 && l.nonlocal_radius > 0.0 && l.nonlocal_weight == "plateau");
+           });
     s.rule("length_factors", "element_lengths and length_factors must be of equal number",
            [](const Law& l) { return l.element_lengths.size() == l.length_factors.size(); });
     s.rule("element_lengths", "element_lengths must ascend strictly", [](const Law& l) {
