@@ -137,6 +137,43 @@ std::size_t number_length(std::string_view text) {
   return sign + static_cast<std::size_t>(end - digits.data());
 }
 
+std::optional<UnitInBase> unit_in_base(const std::string& unit) {
+  if (unit == "-") return UnitInBase{};
+  static const char* const names[] = {"m", "kg", "s", "A", "K", "mol", "cd"};
+  const Unit from(ut_parse(unit_system(), unit.c_str(), UT_UTF8));
+  if (!from) return {};
+  // The definition is a text such as "1000000000 m-1.kg.s-2"; angles are "rad".
+  char text[256];
+  const int length = ut_format(from.get(), text, sizeof text, UT_ASCII | UT_DEFINITION);
+  if (length < 0 || length >= static_cast<int>(sizeof text)) return {};
+  UnitInBase found;
+  std::string product;
+  std::string_view rest(text, static_cast<std::size_t>(length));
+  if (rest.find('@') != rest.npos) return {};
+  if (const std::size_t n = number_length(rest); n > 0) rest = trimmed(rest.substr(n));
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find('.'), rest.size());
+    const std::string_view term = rest.substr(0, end);
+    rest = end < rest.size() ? rest.substr(end + 1) : std::string_view{};
+    const std::size_t letters = std::min(term.find_first_of("-0123456789"), term.size());
+    if (term.substr(0, letters) == "rad" || term == "1") continue;
+    const auto* name = std::find(std::begin(names), std::end(names), term.substr(0, letters));
+    double exponent = 1.0;
+    if (name == std::end(names) || (letters < term.size() && !parse_number(term.substr(letters), exponent))) return {};
+    found.exponents[static_cast<std::size_t>(name - names)] += exponent;
+    product += fmt::format("{}{}{}", product.empty() ? "" : ".", *name, exponent);
+  }
+  if (product.empty()) product = measures_angle(unit) ? "rad" : "1";
+  const Unit to(ut_parse(unit_system(), product.c_str(), UT_ASCII));
+  cv_converter* converter = to ? ut_get_converter(from.get(), to.get()) : nullptr;
+  if (!converter) return {};
+  found.factor = cv_convert_double(converter, 1.0);
+  const bool shifted = cv_convert_double(converter, 0.0) != 0.0;
+  cv_free(converter);
+  if (shifted) return {};
+  return found;
+}
+
 bool parse_number(std::string_view text, double& value) {
   text = trimmed(text);
   if (number_length(text) != text.size() || text.empty()) return false;

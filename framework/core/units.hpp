@@ -1,6 +1,8 @@
 // Turns numbers with units, as a user writes them, into SI values, and SI values into text.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +19,17 @@ struct Quantity {
 /// Converts "2.586 GPa", "45 deg" or a bare number (which is SI) to `si_unit`. "-" stands for a number without
 /// dimension, which takes no unit. Throws std::runtime_error where the unit database cannot be read.
 Quantity to_si(std::string_view text, const std::string& si_unit);
+
+/// Exponents of the base units m, kg, s, A, K, mol, cd.
+using Dimension = std::array<double, 7>;
+
+/// A unit as a multiple of a product of base units.
+struct UnitInBase {
+  double factor = 1.0;
+  Dimension exponents{};
+};
+/// Nothing where `unit` is unknown, or where its zero is shifted, as that of degC. "-" is the number 1.
+std::optional<UnitInBase> unit_in_base(const std::string& unit);
 
 /// Reads a whole text as a finite decimal number; no octal, no unit, nothing trailing.
 bool parse_number(std::string_view text, double& value);

@@ -248,6 +248,7 @@ void Simulation::run() {
     add_forces(step);
     for (StepObserver* o : observers_) o->after_forces(model_, step);
     erode(step);
+    erosion_->average(model_);
     // A node that races from the start makes steps so short that no other check would ever come.
     if (step.cycle == 1) check_speeds(step.end());
     for (StepObserver* o : observers_) o->after_step(*this, step);
@@ -260,6 +261,7 @@ void Simulation::rebalance(const Step& step) {
   if (!balancer_.due(model_, step.cycle, left)) return;
   const auto scope = timers_.measure("rebalance");
   balancer_.move(model_, step.cycle);
+  erosion_->rearranged();
   renumbered();
 }
 
@@ -365,6 +367,7 @@ void Simulation::erode(const Step& step) {
   }
   const auto scope = timers_.measure("erosion");
   erosion_->compact(model_);
+  erosion_->rearranged();
 }
 
 void Simulation::stop(const std::string& local_trouble, std::int64_t id, const Step& step) const {
@@ -419,6 +422,7 @@ void Simulation::resume(const Progress& p) {
   first_stable_ = p.first_stable;
   resumed_contact_step_ = p.contact_step;
   balancer_.distribute(model_);
+  erosion_->rearranged();
   balancer_.restore(p.last_rebalance);
   renumbered();
   load_ = load_on_owned(model_, p.contact_force);

@@ -11,9 +11,11 @@
 
 namespace kerf {
 
-Erosion::Erosion(const Model& model) {
+Erosion::Erosion(const Model& model) : nonlocal_(model) {
   for (const PartModel& part : model.parts)
-    judges_.push_back(part.material->erosion ? std::make_unique<PartJudge>(part) : nullptr);
+    judges_.push_back(part.material->erosion ? std::make_unique<PartJudge>(*part.material->erosion, *part.store,
+                                                                           part.first_criterion_state)
+                                             : nullptr);
 }
 
 ErosionJudge* Erosion::judge(Model& model, int part, std::int64_t cycle) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "erosion/judge.hpp"
+#include "erosion/nonlocal.hpp"
 #include "erosion/record.hpp"
 #include "kerf/element.hpp"
 #include "model/ledger.hpp"
@@ -35,6 +36,10 @@ class Erosion {
   /// With `drop_beyond`: drops free nodes that have left the box round all live material by the given distance.
   /// Returns whether any rank dropped one. Collective.
   bool drop_distant_nodes(Model& model, Ledger& ledger);
+  /// Spreads over their neighbourhood what criteria have added up in this step. Collective.
+  void average(Model& model) { nonlocal_.average(model); }
+  /// To be called on all ranks when elements have changed ranks.
+  void rearranged() { nonlocal_.invalidate(); }
   /// Moves live elements together where enough slots are empty. Local.
   void compact(Model& model);
 
@@ -42,6 +47,7 @@ class Erosion {
   static void drop(Model& model, int node, Ledger& ledger);
 
   std::vector<std::unique_ptr<PartJudge>> judges_;
+  NonLocalDamage nonlocal_;
   bool may_have_free_nodes_ = true;  // that are to be dropped; a restart may have left some
   std::vector<ExteriorFacet> retired_;
 };

@@ -16,11 +16,12 @@ enum : int { verdicts_component, fade_cycles, fade_criterion, fade_value, fade_s
 
 }  // namespace
 
-PartJudge::PartJudge(const PartModel& part) {
-  const ErosionInput& erosion = *part.material->erosion;
+PartJudge::PartJudge(const ErosionInput& erosion, const PartStore& store, int first_state) {
   fade_out_ = static_cast<int>(erosion.fade_out);
-  softens_ = fade_out_ > 0;
-  int next = part.first_criterion_state;
+  const auto [field, component] = store.find_variable("no_tension");
+  no_tension_ = field == PartStore::erosion_state ? component : -1;
+  softens_ = fade_out_ > 0 || no_tension_ >= 0;
+  int next = first_state;
   for (const auto& law : erosion.criteria) {
     Criterion c;
     c.law = law.get();
@@ -28,7 +29,8 @@ PartJudge::PartJudge(const PartModel& part) {
     const auto n_state = static_cast<int>(law->state_variables().size());
     c.keeps_state = n_state > 0;
     c.softens = law->softens();
-    c.reads = LawReads(*law, *part.store);
+    c.keeps_element = law->then == "no_tension";
+    c.reads = LawReads(*law, store);
     next += n_state;
     asked_ |= law->asked_inputs();
     softens_ = softens_ || c.softens;
@@ -51,6 +53,7 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
   if (softens_) {
     std::fill_n(v.strength, lane_width, 1.0);
     std::fill_n(v.tension, lane_width, 1.0);
+    std::fill_n(v.compression, lane_width, 1.0);
   }
   for (std::size_t k = 0; k < criteria_.size(); ++k) ask(k, rows, block, v);
   unsigned dead = combine(v, block);
@@ -71,10 +74,11 @@ void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
   v.looked[k] = cycle_ % c.law->check_interval == 0;
   if (!v.looked[k] && !c.keeps_state && !c.softens) return;
   Field& states = store_->field(PartStore::erosion_state);
-  alignas(64) double strength[lane_width], tension[lane_width];
+  alignas(64) double strength[lane_width], tension[lane_width], compression[lane_width];
   if (c.softens) {
     std::fill_n(strength, lane_width, 1.0);
     std::fill_n(tension, lane_width, 1.0);
+    std::fill_n(compression, lane_width, 1.0);
   }
   rows.reads = read_rows(c.access, block);
   rows.state = states.data.data() + states.index(block * lane_width, c.first_state);
@@ -82,6 +86,7 @@ void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
   rows.failed = v.failed;
   rows.strength = strength;
   rows.tension = tension;
+  rows.compression = compression;
   if (!c.access.tensors.empty())
     detail::rotate_tensors(c.access.tensors, *reinterpret_cast<const double(*)[9][lane_width]>(rows.rotation),
                            rows.state);
@@ -89,17 +94,42 @@ void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
   for (int l = 0; c.softens && l < lane_width; ++l) {
     v.strength[l] *= clamp_to(strength[l], 0.0, 1.0);
     v.tension[l] *= clamp_to(tension[l], 0.0, 1.0);
+    v.compression[l] *= clamp_to(compression[l], 0.0, 1.0);
   }
   for (int l = 0; v.looked[k] && l < lane_width; ++l) v.masks[k] |= (v.failed[l] != 0.0 ? 1u : 0u) << l;
 }
 
-/// With rule "any", failing now is enough. Otherwise a criterion's last verdict stands until its next look.
-unsigned PartJudge::combine(const Verdicts& v, int block) const {
-  unsigned dead = 0;
+/// Lanes to delete. Those that fail and stay are taken care of.
+unsigned PartJudge::combine(Verdicts& v, int block) const {
+  unsigned dead = 0, kept = 0;
   if (needed_ == 1) {
-    for (std::size_t k = 0; k < criteria_.size(); ++k) dead |= v.masks[k];
-    return dead;
+    for (std::size_t k = 0; k < criteria_.size(); ++k) {
+      (criteria_[k].keeps_element ? kept : dead) |= v.masks[k];
+      if (criteria_[k].keeps_element) v.masks[k] = 0;  // it is no cause of death
+    }
+  } else {
+    // The criteria that have to fail together agree on what becomes of the element.
+    (criteria_[0].keeps_element ? kept : dead) = failed_together(v, block);
   }
+  if (no_tension_ >= 0) hold_without_tension(kept, v, block);
+  return dead;
+}
+
+/// An element that has once failed and stayed has no deviator and no tension for ever.
+void PartJudge::hold_without_tension(unsigned failed, Verdicts& v, int block) const {
+  Field& states = store_->field(PartStore::erosion_state);
+  double* flags = states.data.data() + states.index(block * lane_width, no_tension_);
+  for (int l = 0; l < lane_width; ++l) {
+    const int slot = block * lane_width + l;
+    if ((failed >> l & 1u) != 0 && slot < store_->n_slots() && store_->live(slot)) flags[l] = 1.0;
+    v.strength[l] *= 1.0 - flags[l];
+    v.tension[l] *= 1.0 - flags[l];
+  }
+}
+
+/// Lanes in which as many criteria have failed as are needed. A criterion's last verdict stands until its next look.
+unsigned PartJudge::failed_together(const Verdicts& v, int block) const {
+  unsigned dead = 0;
   Field& states = store_->field(PartStore::erosion_state);
   for (int l = 0; l < lane_width; ++l) {
     const int slot = block * lane_width + l;
@@ -166,8 +196,9 @@ unsigned PartJudge::fade_out(unsigned dead, const ErosionBatch& rows, Verdicts& 
 void PartJudge::soften(const Verdicts& v, int block) const {
   Field& field = store_->field(PartStore::softening);
   double* next = field.data.data() + field.index(block * lane_width, 0);
-  std::copy_n(v.strength, lane_width, next);
-  std::copy_n(v.tension, lane_width, next + lane_width);
+  std::copy_n(v.strength, lane_width, next + detail::next_strength * lane_width);
+  std::copy_n(v.tension, lane_width, next + detail::next_tension * lane_width);
+  std::copy_n(v.compression, lane_width, next + detail::next_compression * lane_width);
 }
 
 void PartJudge::record(unsigned dead, const Verdicts& v, int block) {

@@ -12,8 +12,8 @@ namespace kerf {
 /// The criteria of one part's material, combined by its rule.
 class PartJudge final : public ErosionJudge {
  public:
-  /// Pre: the part's material has an erosion block.
-  explicit PartJudge(const PartModel& part);
+  /// `first_state` is where the state of the first criterion begins in the store's erosion state.
+  PartJudge(const ErosionInput& erosion, const PartStore& store, int first_state);
   void begin(PartStore& store, std::int64_t cycle);
   unsigned judge(ErosionBatch& rows, int block) override;
   unsigned asked_inputs() const override { return asked_; }
@@ -30,18 +30,22 @@ class PartJudge final : public ErosionJudge {
     const ErosionCriterion* law = nullptr;
     int first_state = 0;
     bool keeps_state = false, softens = false;
+    bool keeps_element = false;  // an element that fails stays, without deviator and tension
     LawReads reads;
     LawAccess access;  // in this cycle
   };
   /// Verdicts of all criteria on one block.
   struct Verdicts {
     alignas(64) double value[8][lane_width], failed[lane_width];
-    alignas(64) double strength[lane_width], tension[lane_width];  // products over the criteria
+    alignas(64) double strength[lane_width], tension[lane_width],
+        compression[lane_width];  // products over the criteria
     unsigned masks[8] = {};
     bool looked[8] = {};
   };
   void ask(std::size_t criterion, ErosionBatch& rows, int block, Verdicts& verdicts);
-  unsigned combine(const Verdicts& verdicts, int block) const;
+  unsigned combine(Verdicts& verdicts, int block) const;
+  unsigned failed_together(const Verdicts& verdicts, int block) const;
+  void hold_without_tension(unsigned failed, Verdicts& verdicts, int block) const;
   int first_failing(const Verdicts& verdicts, int lane) const;
   unsigned at_once(const Verdicts& verdicts, const double* volume_ratio) const;
   unsigned fade_out(unsigned dead, const ErosionBatch& rows, Verdicts& verdicts, int block);
@@ -50,7 +54,8 @@ class PartJudge final : public ErosionJudge {
 
   std::vector<Criterion> criteria_;
   unsigned asked_ = 0;
-  bool softens_ = false;  // a criterion does, or elements fade out
+  bool softens_ = false;  // a criterion does, or elements fade out, or stay without tension
+  int no_tension_ = -1;  // component of the erosion state that says so; negative: none
   int needed_ = 1;  // failing criteria that erode an element
   int fade_out_ = 0;  // cycles
   PartStore* store_ = nullptr;

@@ -65,7 +65,7 @@ void ErosionInput::describe(Schema<ErosionInput>& s) {
   s.choice(&ErosionInput::rule, "rule", {"any", "all", "at_least"},
            "how many criteria must fail an element before it is eroded")
       .by_default("any");
-  s.integer(&ErosionInput::count, "count", positive, "number of criteria for the rule at_least").by_default("1");
+  s.integer(&ErosionInput::count, "count", positive, "number of criteria for the rule at_least").optional();
   s.integer(&ErosionInput::fade_out, "fade_out", between(0.0, 1e6),
             "cycles in which the deviator and the tension of an element that has failed fall to nothing before it is "
             "deleted")
@@ -76,6 +76,10 @@ void ErosionInput::describe(Schema<ErosionInput>& s) {
   s.rule("count", "at_least needs a count no larger than the number of criteria", [](const ErosionInput& e) {
     return e.rule != "at_least" || e.count <= static_cast<std::int64_t>(e.criteria.size());
   });
+  s.rule("count", "the rule at_least needs this key, the number of criteria",
+         [](const ErosionInput& e) { return e.rule != "at_least" || e.count >= 1; });
+  s.rule("count", "count acts with the rule at_least only",
+         [](const ErosionInput& e) { return e.rule == "at_least" || e.count == 0; });
 }
 
 void MaterialInput::describe(Schema<MaterialInput>& s) {

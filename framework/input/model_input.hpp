@@ -47,7 +47,7 @@ struct CurveInput {
 
 struct ErosionInput {
   std::string rule;
-  std::int64_t count = 1, fade_out = 0;
+  std::int64_t count = 0, fade_out = 0;  // the former 0 where absent
   std::vector<std::unique_ptr<ErosionCriterion>> criteria;
   static void describe(Schema<ErosionInput>& s);
 };

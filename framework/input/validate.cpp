@@ -44,6 +44,7 @@ class Validator {
       check_laws(*material);
       check_variables(*material);
       check_reads(*material);
+      check_erosion(*material);
     }
     check_parts();
     prepare_meshes();
@@ -303,8 +304,11 @@ class Validator {
                    "fade_out_tension",
                    "next_strength_factor",
                    "next_tension_factor",
+                   "next_compression_factor",
                    "strength_factor",
                    "tension_factor",
+                   "compression_factor",
+                   "no_tension",
                    "stress",
                    "density",
                    "von_mises"};
@@ -348,6 +352,45 @@ class Validator {
           diagnostics_.error(law->origin,
                              fmt::format("{}{} laws of material `{}` declare; expected one", what, n, material.name));
       }
+  }
+  /// What becomes of elements that fail, and what criteria find wrong with what they read.
+  void check_erosion(const MaterialInput& material) {
+    if (!material.erosion || !is_complete(material)) return;
+    const ErosionInput& erosion = *material.erosion;
+    const auto& criteria = erosion.criteria;
+    if (criteria.empty() || std::any_of(criteria.begin(), criteria.end(), [](const auto& c) { return !c; })) return;
+    const std::string path = "materials." + material.name + ".erosion";
+    const bool together = erosion.rule == "all" || (erosion.rule == "at_least" && erosion.count > 1);
+    bool any_deleted = false;
+    for (std::size_t k = 0; k < criteria.size(); ++k) {
+      const ErosionCriterion& c = *criteria[k];
+      const Origin origin = origins_.find(fmt::format("{}.criteria[{}].then", path, k));
+      any_deleted = any_deleted || c.then == "erosion";
+      if (c.then == "no_tension" && !c.can_fade())
+        diagnostics_.error(origin, fmt::format("an element that {} has failed cannot be computed any longer; expected "
+                                               "`then: erosion`",
+                                               c.type));
+      if (together && c.then != criteria[0]->then)
+        diagnostics_.error(origin, fmt::format("criteria that fail an element together, by `rule: {}`, must agree on "
+                                               "what becomes of it; expected `then: {}`",
+                                               erosion.rule, criteria[0]->then));
+      check_complaints(material, c, fmt::format("{}.criteria[{}]", path, k));
+    }
+    if (erosion.fade_out > 0 && !any_deleted)
+      diagnostics_.error(origins_.find(path + ".fade_out"),
+                         "`fade_out` acts before elements are deleted, and every criterion keeps them; expected a "
+                         "criterion with `then: erosion`, or no fade_out");
+  }
+  void check_complaints(const MaterialInput& material, const ErosionCriterion& c, const std::string& path) {
+    std::map<std::string, std::string> units = {
+        {"pressure", "Pa"}, {"volume", "m3"}, {"mass", "kg"}, {"internal_energy", "J"}, {"viscous_energy", "J"}};
+    for (const Law* law : material.laws())
+      for (const StateVariable& v : law->state_variables()) units.emplace(v.name, v.unit);
+    for (const ReadComplaint& complaint : c.complaints(units)) {
+      Origin origin = origins_.find(path + "." + complaint.parameter);
+      origin.column += complaint.offset;
+      diagnostics_.error(origin, complaint.sentence);
+    }
   }
   /// What every element keeps may be read under a name that the user gives.
   static bool is_element_variable(const ReadVariable& read) {
@@ -421,6 +464,12 @@ class Validator {
     }
     check_list(model_.output.node_fields, node_field_names(), "node_fields");
   }
+  /// A material in which several laws keep a variable of that name: nobody could know whose is meant.
+  const MaterialInput* ambiguous_in(const std::string& name) const {
+    for (const auto& material : model_.materials)
+      if (n_declaring(*material, name) > 1) return material.get();
+    return nullptr;
+  }
   void check_list(const Names& used, const Names& known, const std::string& key) {
     Names fields, seen;
     for (const std::string& name : known)
@@ -430,6 +479,11 @@ class Validator {
       if (!contains(fields, used[i]))
         diagnostics_.error(
             origin, fmt::format("there is no field \"{}\"{}", used[i], suggestion(used[i], fields, "the fields")));
+      else if (const MaterialInput* twice = ambiguous_in(used[i]); twice != nullptr)
+        diagnostics_.error(origin,
+                           fmt::format("more than one law of material `{}` declares \"{}\"; expected a field that one "
+                                       "law declares",
+                                       twice->name, used[i]));
       else if (contains(seen, used[i]))
         diagnostics_.error(origin, fmt::format("field \"{}\" is listed twice; expected once", used[i]));
       seen.push_back(used[i]);

@@ -44,7 +44,8 @@ PartStore::PartStore(int index, const Element& element, Variables variables, Pre
                                   core("initial_length", "m", 1.0)}));
   declare(softening, "softening",
           where(variables.softening, {core("next_strength_factor", "-", 1.0), core("next_tension_factor", "-", 1.0),
-                                      core("strength_factor", "-", 1.0), core("tension_factor", "-", 1.0)}));
+                                      core("next_compression_factor", "-", 1.0), core("strength_factor", "-", 1.0),
+                                      core("tension_factor", "-", 1.0), core("compression_factor", "-", 1.0)}));
   declare(loaded_faces, "loaded_faces",
           std::vector<StateVariable>(static_cast<std::size_t>(variables.facet_loads), core("loaded_faces", "-")));
   // Those of ElementArrays<Real> whose type is Real.

@@ -341,7 +341,8 @@ void set_force_quantum(Model& model) {
   model.quanta.force.per_quantum = 1.0 / model.quanta.force.quantum;
 }
 
-/// What the laws of a material keep; `first` is set to where the state of the first criterion begins.
+}  // namespace
+
 PartStore::Variables variables_of(const MaterialInput& material, int& first) {
   PartStore::Variables all;
   all.material = material.stress_law().state_variables();
@@ -360,16 +361,18 @@ PartStore::Variables variables_of(const MaterialInput& material, int& first) {
     for (const char* name :
          {"fade_out_cycles", "fade_out_criterion", "fade_out_value", "fade_out_strength", "fade_out_tension"})
       keep(name);
+  const bool keeps_elements = std::any_of(erosion.criteria.begin(), erosion.criteria.end(),
+                                          [](const auto& c) { return c->then == "no_tension"; });
+  if (keeps_elements) keep("no_tension");  // 1 where an element has failed and stays, without deviator and tension
   first = static_cast<int>(all.erosion.size());
-  all.softening = erosion.fade_out > 0;
+  all.softening = erosion.fade_out > 0 || keeps_elements;
   for (const auto& c : erosion.criteria) {
     all.softening = all.softening || c->softens();
+    all.place = all.place || c->nonlocal().radius > 0.0;
     for (const StateVariable& v : c->state_variables()) all.erosion.push_back(v);
   }
   return all;
 }
-
-}  // namespace
 
 std::vector<const FacetLoad*> facet_loads(const ModelInput& input) {
   std::vector<const FacetLoad*> found;

@@ -81,6 +81,8 @@ std::string summary_text(const Summary& s) {
                   {"free_nodes", s.mass.free_nodes},
                   {"dropped", s.mass.dropped}};
   json["eroded"] = json_of(s.eroded);
+  json["no_tension"] = {{"elements", s.no_tension.elements},
+                        {"by_part", object_of(s.no_tension.by_part, [](std::int64_t n) { return Json(n); })}};
   json["parts"] = object_of(s.parts, [](const Summary::Part& p) { return json_of(p); });
   json["measures"] = object_of(s.measures, [](double v) { return Json(v); });
   json["not_measured"] = object_of(s.not_measured, [](const std::string& reason) { return Json(reason); });

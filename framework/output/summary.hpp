@@ -52,6 +52,11 @@ struct Summary {
     std::int64_t elements = 0;
     std::map<std::string, std::int64_t> by_part, by_criterion;
   };
+  /// Elements at the end that have failed and stayed, without deviator and tension.
+  struct NoTension {
+    std::int64_t elements = 0;
+    std::map<std::string, std::int64_t> by_part;  // parts whose material has such a criterion
+  };
   struct Part {
     std::int64_t elements = 0, alive = 0;
     double mass = 0.0;  // [kg] live
@@ -83,6 +88,7 @@ struct Summary {
   Momentum momentum;
   Mass mass;
   Eroded eroded;
+  NoTension no_tension;
   std::map<std::string, Part> parts;
   std::map<std::string, double> measures;  // NaN where there is nothing to measure
   std::map<std::string, std::string> not_measured;  // why

@@ -198,6 +198,19 @@ void warn_of_nodes_let_go(Summary& s) {
                   s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time));
 }
 
+/// Elements that have failed and stayed. Collective.
+void add_no_tension(const Model& model, Summary& s) {
+  for (const PartModel& part : model.parts) {
+    const PartStore& store = *part.store;
+    const auto [field, component] = store.find_variable("no_tension");
+    if (field == PartStore::n_fields) continue;
+    std::int64_t n = 0;
+    for (int slot = 0; slot < store.n_slots(); ++slot)
+      if (store.live(slot) && store.field(field).at(slot, component) != 0.0) ++n;
+    s.no_tension.elements += s.no_tension.by_part[part.input->name] = sum_of(model.comm, n);
+  }
+}
+
 std::string number_or_null(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
 
 /// The measures, and below them why some are not known; equal reasons are told once.
@@ -262,6 +275,7 @@ Summary Reporter::summarise(const std::string& exit) {
       s.eroded.by_criterion[criteria[c]->type] += counts[8 * p + c];
     }
   }
+  add_no_tension(model, s);
   s.warnings = simulation_.warnings();
   warn_of_hourglass_share(s, b);
   warn_of_gains(s, b);
@@ -357,6 +371,7 @@ std::string Reporter::table_of(const Summary& s) const {
     for (const auto& [name, n] : s.eroded.by_criterion) fmt::format_to(out, "  {} {}", name, n);
     fmt::format_to(out, "\n");
   }
+  if (s.no_tension.elements > 0) fmt::format_to(out, "\nfailed and kept without tension  {}\n", s.no_tension.elements);
   fmt::format_to(out, "{}", table_of_measures(s));
   fmt::format_to(out, "\ntime [s]\n");
   for (const auto& [name, t] : s.timers) fmt::format_to(out, "  {:<16}{:>10.3f}\n", name, t.mean);

@@ -1,20 +1,24 @@
 // Johnson-Cook strength: J2 flow with strain hardening, rate hardening and thermal softening.
 //
 // Source: G.R. Johnson & W.H. Cook, "A constitutive model and data for metals subjected to large strains, high
-// strain rates and high temperatures", Proc. 7th Int. Symp. on Ballistics (1983) 541-547, eq. 1.
+// strain rates and high temperatures", Proc. 7th Int. Symp. on Ballistics (1983) 541-547, eq. 1; the power
+// of the rate: G.T. Camacho & M. Ortiz, "Adaptive Lagrangian modelling of ballistic penetration of metallic targets",
+// Comput. Methods Appl. Mech. Engng 142 (1997) 269-301.
 #include <kerf/material.hpp>
 
 namespace {
 
 using namespace kerf;
 
-/// Flow stress (A + B ep^n)(1 + C ln rate*)(1 - T*^m), radial return with the rate of the step itself.
+/// Flow stress (A + B ep^n)(1 + C ln rate*)(1 - T*^m), or with (1 + rate*)^C, radial return with the rate of the step
+/// itself.
 ///
 /// A material for blocks rather than points, so that Newton's method stops when all points of a block have
 /// converged, and does not start where none yields.
 struct JohnsonCook final : Material {
   double G = 0.0, A = 0.0, B = 0.0, n = 1.0, C = 0.0, m = 1.0;
   double reference_rate = 1.0;  // [1/s]
+  std::string rate_form = "logarithm";
   double reference_temperature = 0.0, melting_temperature = 0.0;  // [K]
   double initial_temperature = 0.0;  // [K]; 0: reference_temperature
   double specific_heat = 0.0, taylor_quinney = 0.9;  // [J/(kg K)], [-]
@@ -31,8 +35,11 @@ struct JohnsonCook final : Material {
     s.real(&JohnsonCook::C, "C", "-", between(0.0, 1.0), "rate hardening coefficient");
     s.real(&JohnsonCook::m, "m", "-", Range{0.0, 10.0, true, false}, "thermal softening exponent");
     s.real(&JohnsonCook::reference_rate, "reference_rate", "1/s", positive,
-           "plastic strain rate at or below which there is no rate hardening")
+           "plastic strain rate at or below which there is no rate hardening; in the power form, that of A times 2^C")
         .by_default("1");
+    s.choice(&JohnsonCook::rate_form, "rate_form", {"logarithm", "power"},
+             "factor of the rate: 1 + C ln max(rate*, 1), or (1 + rate*)^C")
+        .by_default("logarithm");
     s.real(&JohnsonCook::reference_temperature, "reference_temperature", "K", positive,
            "temperature at or below which there is no thermal softening")
         .by_default("293.15");
@@ -78,7 +85,10 @@ struct JohnsonCook final : Material {
       }
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) predict(k, state.values, l);
-    solve(k, state.values[strain_row]);
+    if (rate_form == "power")
+      solve<true>(k, state.values[strain_row]);
+    else
+      solve<false>(k, state.values[strain_row]);
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) flow(k, state.values, l);
     for (int i = 0; i < 6; ++i)
@@ -124,13 +134,29 @@ struct JohnsonCook final : Material {
     k.d[l] = select(bound > 0.0, max_of(min_of(equivalent_strain(increment), bound), 1e-6 * bound), 0.0);
   }
 
+  struct RateFactor {
+    double value, slope;  // the latter by the logarithm of the rate
+  };
+  template <bool is_power>
+  [[gnu::always_inline]] RateFactor rate_factor(double rate) const {
+    if constexpr (is_power) {
+      const double value = positive_power(1.0 + rate, C);
+      return {value, C * value * rate / (1.0 + rate)};
+    } else {
+      const double log_rate = positive_log(rate);
+      return {1.0 + C * max_of(log_rate, 0.0), select(log_rate > 0.0, C, 0.0)};
+    }
+  }
+
   /// (iii) Roots d of r(d) = 3 G d + (A + B (ep + d)^n)(1 + C ln(d / (rate0 dt))) softening - q, where there is flow.
   ///
   /// The rate is that of the step itself: with the rate of the step before, the stress oscillates with period two.
   /// r increases and is convex in ln d. So Newton's method for ln d lands right of the root from any d left of it,
   /// and descends to it from there; the root is not right of `bound`. The factors of d below stand for exp(-s) and
   /// are not less than it, which keeps that property. A point that has converged is not touched again, whatever the
-  /// others of its block need.
+  /// others of its block need. In the power form, with (1 + d/(rate0 dt))^C in place of 1 + C ln, r has these
+  /// properties too.
+  template <bool is_power>
   void solve(Block& k, const double (&strain)[lane_width]) const {
     const double per_reference = 1.0 / (reference_rate * k.dt + 1e-300);
     alignas(64) double moving[lane_width];
@@ -139,13 +165,11 @@ struct JohnsonCook final : Material {
 #pragma omp simd
       for (int l = 0; l < lane_width; ++l) {
         const double d = max_of(k.d[l], 1e-60), total = strain[l] + d;
-        const double log_rate = positive_log(d * per_reference);
         const double hardening = B * positive_power(total, n);
-        const double rate = 1.0 + C * max_of(log_rate, 0.0);
+        const auto [rate, rate_slope] = rate_factor<is_power>(d * per_reference);
         const double residual = 3.0 * G * d + (A + hardening) * rate * k.softening[l] - k.q[l];
         const double slope =
-            3.0 * G * d +
-            (hardening * n * d / total * rate + (A + hardening) * select(log_rate > 0.0, C, 0.0)) * k.softening[l];
+            3.0 * G * d + (hardening * n * d / total * rate + (A + hardening) * rate_slope) * k.softening[l];
         const double s = residual / slope, left = max_of(s, -1.0);
         const double factor = select(s > 0.0, 1.0 / (1.0 + s + 0.5 * s * s), 1.0 - left + left * left);
         const bool moves = moving[l] > 0.0;

@@ -11,10 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "erosion/judge.hpp"
 #include "input/model_input.hpp"
 #include "kerf/element.hpp"
 #include "model/law_reads.hpp"
 #include "model/part_store.hpp"
+#include "model/setup.hpp"
 #include "support/make_law.hpp"
 
 namespace kerf::test {
@@ -81,6 +83,8 @@ struct PartLaws {
   std::string element = "{}", strength = "elastic", strength_parameters = "{shear_modulus: 80 GPa}";
   std::string eos = "linear", eos_parameters = "{bulk_modulus: 160 GPa}";
   std::string solid, solid_parameters = "{}";  // in place of strength and eos
+  std::vector<std::pair<std::string, std::string>> criteria;  // of erosion, with their parameters
+  std::string rule = "any";  // of the criteria
   double density = 8000.0;  // [kg/m3]
   double compression = 1.0;  // mass of the elements over density times volume
 };
@@ -102,7 +106,8 @@ class PartOf {
         elements_(mesh.elements),
         element_(element ? std::move(element) : make_law<Element>("element", "hex8", laws.element)),
         laws_(make(laws)),
-        store_(0, *element_, variables(laws_), is_single ? Precision::single_precision : Precision::double_precision),
+        store_(0, *element_, variables(laws_, first_criterion_),
+               is_single ? Precision::single_precision : Precision::double_precision),
         density_(laws.density) {
     std::vector<double> record(static_cast<std::size_t>(store_.record_size()));
     store_.make_room(static_cast<int>(elements_.size()));
@@ -205,6 +210,8 @@ class PartOf {
     if (field == PartStore::n_fields) throw std::runtime_error("no state variable " + name);
     return get(field, e, component);
   }
+  /// Whether the last step has judged that an element is to be deleted. It is not.
+  bool failed(int e) const { return (judge_->flags[e / lane_width] >> (e % lane_width) & 1u) != 0; }
   double element_mass(int e) const { return get(PartStore::mass, e); }
 
   /// 2^-33 N: forces up to 1.6e7 N are resolved to a tenth of a nanonewton.
@@ -216,6 +223,12 @@ class PartOf {
   static MaterialInput make(const PartLaws& laws) {
     MaterialInput made;
     made.density = laws.density;
+    if (!laws.criteria.empty()) {
+      made.erosion = std::make_unique<ErosionInput>();
+      made.erosion->rule = laws.rule;
+      for (const auto& [name, parameters] : laws.criteria)
+        made.erosion->criteria.push_back(make_law<ErosionCriterion>("erosion", name, parameters));
+    }
     if (!laws.solid.empty()) {
       made.solid = make_law<Solid>("solid", laws.solid, laws.solid_parameters);
       return made;
@@ -224,10 +237,8 @@ class PartOf {
     made.eos = make_law<Eos>("eos", laws.eos, laws.eos_parameters);
     return made;
   }
-  static PartStore::Variables variables(const MaterialInput& laws) {
-    PartStore::Variables all;
-    all.material = laws.stress_law().state_variables();
-    if (laws.eos) all.eos = laws.eos->state_variables();
+  static PartStore::Variables variables(const MaterialInput& laws, int& first_criterion) {
+    PartStore::Variables all = variables_of(laws, first_criterion);
     all.place = true;
     return all;
   }
@@ -238,6 +249,11 @@ class PartOf {
       point.position = point.position + mesh.x[nodes[k]] * (1.0 / mesh.shape->n_nodes);
     laws_.stress_law().initialise(point, record + store_.offset(PartStore::material_state));
     if (laws_.eos) laws_.eos->initialise(point, record + store_.offset(PartStore::eos_state));
+    double* criterion = record + store_.offset(PartStore::erosion_state) + first_criterion_;
+    for (std::size_t k = 0; laws_.erosion && k < laws_.erosion->criteria.size(); ++k) {
+      laws_.erosion->criteria[k]->initialise(point, criterion);
+      criterion += laws_.erosion->criteria[k]->state_variables().size();
+    }
     double* place = record + store_.offset(PartStore::place);
     for (int d = 0; d < 3; ++d) place[d] = point.position[d];
     place[3] = length;
@@ -286,6 +302,12 @@ class PartOf {
     work.n_element_state = store_.field(PartStore::element_state).n_components;
     work.n_material_state = store_.field(PartStore::material_state).n_components;
     work.n_eos_state = store_.field(PartStore::eos_state).n_components;
+    if (judge_) {
+      judge_->begin(store_, ++cycle_);
+      work.judge = judge_.get();
+      work.failed = judge_->flags.data();
+    }
+    if (store_.field(PartStore::softening).n_components > 0) work.softening = doubles(PartStore::softening);
     work.energy_per_quantum = 0x1p60;
     std::fill(work.least_step, work.least_step + lane_width, std::numeric_limits<Real>::max());
     std::fill(work.least_block, work.least_block + lane_width, 0);
@@ -293,8 +315,12 @@ class PartOf {
 
   std::vector<std::array<std::int32_t, 8>> elements_;
   std::unique_ptr<Element> element_;
+  int first_criterion_ = 0;
   MaterialInput laws_;
   PartStore store_;
+  std::unique_ptr<PartJudge> judge_ =
+      laws_.erosion ? std::make_unique<PartJudge>(*laws_.erosion, store_, first_criterion_) : nullptr;
+  std::int64_t cycle_ = 0;
   LawReads material_reads_{laws_.stress_law(), store_};
   LawReads eos_reads_ = laws_.eos ? LawReads(*laws_.eos, store_) : LawReads();
   double density_, time_ = 0.0;

@@ -88,7 +88,8 @@ inline EosOutput evaluate(const Eos& eos, double reference_density, double densi
 /// One point judged by one criterion, with its state.
 class ErosionPoint {
  public:
-  explicit ErosionPoint(std::unique_ptr<ErosionCriterion> law) : law_(std::move(law)) {
+  explicit ErosionPoint(std::unique_ptr<ErosionCriterion> law, double initial_length = 1e-3)
+      : initial_length_(initial_length), law_(std::move(law)) {
     for (const StateVariable& v : law_->state_variables()) state_.insert(state_.end(), lane_width, v.initial);
     state_.resize(state_.size() + lane_width);
   }
@@ -97,9 +98,9 @@ class ErosionPoint {
   Verdict judge(const ErosionInputPoint& in, double read = 0.0) { return judge(in, std::vector<double>{read}); }
   Verdict judge(const ErosionInputPoint& in, const std::vector<double>& read) {
     alignas(64) double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
-    double strength[lane_width], tension[lane_width];
-    std::fill_n(strength, lane_width, 1.0);
-    std::fill_n(tension, lane_width, 1.0);
+    double strength[lane_width], tension[lane_width], compression[lane_width], length[lane_width];
+    for (double* factor : {strength, tension, compression}) std::fill_n(factor, lane_width, 1.0);
+    std::fill_n(length, lane_width, initial_length_);
     std::vector<double> read_rows;
     for (const double value : read) read_rows.insert(read_rows.end(), lane_width, value);
     std::vector<const double*> reads;
@@ -119,6 +120,8 @@ class ErosionPoint {
     b.time = in.time;
     b.strength = strength;
     b.tension = tension;
+    b.compression = compression;
+    b.initial_length = length;
     b.stress = stress;
     b.strain_increment = strain;
     b.rotation = rotation;
@@ -135,10 +138,17 @@ class ErosionPoint {
       if (v.begins_tensor) tensors.push_back(v.index);
     detail::rotate_tensors(tensors, rotation, state_.data());
     law_->judge(b);
-    return {value[0], failed[0], strength[0], tension[0]};
+    return {value[0], failed[0], strength[0], tension[0], compression[0]};
+  }
+  /// A state variable by name.
+  double state(const std::string& name) const {
+    for (const StateVariable& v : law_->state_variables())
+      if (v.name == name) return state_[static_cast<std::size_t>(v.index) * lane_width];
+    throw std::runtime_error("no state variable " + name);
   }
 
  private:
+  double initial_length_;  // [m]
   std::unique_ptr<ErosionCriterion> law_;
   AlignedVector<double> state_;
 };

@@ -98,8 +98,8 @@ struct ElementArrays {
   Real* element_state = nullptr;
   double *material_state = nullptr, *eos_state = nullptr;  // the former also of a solid
   const double* place = nullptr;  // [block][4][lane] centre and cube root of volume before the first step [m]
-  /// Factors of the stress: of the deviator and of tensile pressures, for the next step and as applied to the stress
-  /// that is stored; null where no criterion softens. [block][4][lane]
+  /// Factors of the stress: of the deviator, of tensile and of compressive pressures, for the next step and as applied
+  /// to the stress that is stored; null where no criterion softens. [block][6][lane]
   double* softening = nullptr;
   int n_element_state = 0, n_material_state = 0, n_eos_state = 0;
   const std::uint8_t* exposed_faces = nullptr;  // [block][lane], at time zero; null in later cycles, and where unknown

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "kerf/law.hpp"
 #include "kerf/math.hpp"
@@ -28,8 +29,9 @@ struct ErosionInputWith : ErosionInputPoint, detail::AskedInputs<(inputs & ~with
 struct Verdict {
   double value = 0.0;
   double failed = 0.0;
-  // What is left of the deviator and of tensile pressures in the next step, 0 to 1; of criteria with `softens` only.
-  double strength = 1.0, tension = 1.0;
+  // What is left of the deviator, of tensile and of compressive pressures in the next step, 0 to 1; of criteria with
+  // `softens` only.
+  double strength = 1.0, tension = 1.0, compression = 1.0;
 };
 
 /// One block of `lane_width` points; see MaterialBatch.
@@ -39,7 +41,18 @@ struct ErosionBatch : LawRows {
   const double *pressure = nullptr, *density_ratio = nullptr, *volume_ratio = nullptr, *time_step = nullptr;
   double* state = nullptr;  // [variable][lane]
   double *value = nullptr, *failed = nullptr;
-  double *strength = nullptr, *tension = nullptr;  // written by criteria that soften
+  double *strength = nullptr, *tension = nullptr, *compression = nullptr;  // written by criteria that soften
+};
+
+/// How the engine spreads what a criterion adds up over the neighbourhood of an element. In each step the criterion
+/// leaves its increment in one state variable; the engine takes the average f = sum w V f / sum w V over the elements
+/// of the part that live, V their initial volumes and w a function of the distance r of their initial centres, and adds
+/// it to another state variable before the next step.
+struct NonLocalAverage {
+  double radius = 0.0;  // L [m]; zero: nothing is averaged
+  bool bell = false;  // w = (1 - r^2/L^2)^2, else 1 / (1 + (r/L)^p)^q; both zero beyond L
+  double p = 8.0, q = 2.0;
+  int increment = 0, sum = 0;  // places of the two in the criterion's State
 };
 
 class ErosionCriterion : public Law {
@@ -50,13 +63,29 @@ class ErosionCriterion : public Law {
   virtual bool can_fade() const { return true; }
   /// Whether the criterion weakens the stress before the element fails.
   virtual bool softens() const { return false; }
+  /// What the engine averages for the criterion. A law that gives a radius asks for `with_reference_position`.
+  virtual NonLocalAverage nonlocal() const { return {}; }
   /// Cycles between two looks. A criterion that keeps state is updated every cycle all the same.
   std::int64_t check_interval = 1;
+  /// What becomes of an element that fails: "erosion" deletes it; "no_tension" keeps it, without deviator and without
+  /// tension for ever.
+  std::string then = "erosion";
+
+ protected:
+  /// Declares what every criterion takes: the check interval, and what becomes of an element that fails.
+  template <class S>
+  static void describe_interval(S& s) {
+    s.integer(&ErosionCriterion::check_interval, "check_interval", positive, "cycles between two looks")
+        .by_default("1");
+    s.choice(&ErosionCriterion::then, "then", {"erosion", "no_tension"},
+             "what becomes of an element that fails: it is deleted, or it stays and resists compression only")
+        .by_default("erosion");
+  }
 };
 
 /// A criterion whose law is `Verdict judge_point(const ErosionInputPoint&, const Reads&, State&) const`. One that
-/// weakens the stress declares `static constexpr bool can_soften = true` and sets the verdict's `strength` and
-/// `tension`; it may have `bool softens() const` where that depends on its parameters.
+/// weakens the stress declares `static constexpr bool can_soften = true` and sets the verdict's `strength`, `tension`
+/// and `compression`; it may have `bool softens() const` where that depends on its parameters.
 template <class LawType>
 class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> {
  public:
@@ -66,7 +95,7 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
     using Reads = typename LawType::Reads;
     alignas(64) double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
     alignas(64) double value[lane_width], failed[lane_width];
-    [[maybe_unused]] alignas(64) double strength[lane_width], tension[lane_width];
+    [[maybe_unused]] alignas(64) double strength[lane_width], tension[lane_width], compression[lane_width];
     constexpr unsigned inputs = detail::inputs_of<LawType>();
     const double dt = b.dt, time = b.time;
     detail::LaneVariables<State> state;
@@ -109,6 +138,7 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
       if constexpr (may_soften()) {
         strength[l] = verdict.strength;
         tension[l] = verdict.tension;
+        compression[l] = verdict.compression;
       }
     };
 #pragma omp simd
@@ -123,20 +153,13 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
         for (int l = 0; l < lane_width; ++l) {
           b.strength[l] = strength[l];
           b.tension[l] = tension[l];
+          b.compression[l] = compression[l];
         }
   }
 
  private:
   static constexpr bool may_soften() {
     return requires { requires LawType::can_soften; };
-  }
-
- protected:
-  /// Declares the check interval that every criterion takes.
-  template <class S>
-  static void describe_interval(S& s) {
-    s.integer(&ErosionCriterion::check_interval, "check_interval", positive, "cycles between two looks")
-        .by_default("1");
   }
 };
 

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <exception>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -176,6 +177,13 @@ struct LaneVariables {
 
 }  // namespace detail
 
+/// A sentence about a parameter, and where in its text the fault is.
+struct ReadComplaint {
+  std::string parameter;
+  int offset = 0;  // characters from the beginning of its text
+  std::string sentence;  // what is wrong; what is expected
+};
+
 /// Base of material, EOS, solid, erosion and element laws: what they keep per point, read of one another, and ask for.
 struct Law : Plugin {
   /// The state variables that were declared, in the order of memory.
@@ -183,8 +191,9 @@ struct Law : Plugin {
     static const std::vector<StateVariable> none;
     return description ? description->state : none;
   }
-  /// The variables that the law reads, with the names that the user gave.
-  std::vector<ReadVariable> reads() const {
+  /// The variables that the law reads, with the names that the user gave. A law whose number of them depends on its
+  /// parameters overrides this, and gets its rows in the order of what it returns.
+  virtual std::vector<ReadVariable> reads() const {
     std::vector<ReadVariable> all = description ? description->reads : std::vector<ReadVariable>{};
     for (ReadVariable& r : all)
       if (r.name_of) r.name = r.name_of(*this);
@@ -194,6 +203,11 @@ struct Law : Plugin {
   virtual unsigned asked_inputs() const { return 0; }
   /// Cost of one update relative to the elastic-plastic law's, for the work model.
   virtual double cost() const { return 1.0; }
+  /// What is wrong with what the law reads, told when the laws of its material are known. `units` has the unit of every
+  /// variable that it could read, by name; variables that are missing there are complained of elsewhere.
+  virtual std::vector<ReadComplaint> complaints(const std::map<std::string, std::string>& /*units*/) const {
+    return {};
+  }
   /// Changes the state of a point that starts; `state` holds the declared initial values, in the order of
   /// state_variables().
   virtual void initialise(const InitialPoint& /*point*/, double* /*state*/) const {}

@@ -358,6 +358,7 @@ class SolidKernel {
     for (int i = 0; i < 6; ++i) store_lanes(rows.deviator[i] + lane, load_lanes(rows.deviator[i] + lane) * factor);
     std::copy_n(factors(detail::next_strength), lanes_of<Real>, factors(detail::strength_applied));
     std::copy_n(factors(detail::next_tension), lanes_of<Real>, factors(detail::tension_applied));
+    std::copy_n(factors(detail::next_compression), lanes_of<Real>, factors(detail::compression_applied));
   }
 
   /// Work of the mean of the old and the new deviator; energy with the old pressure, for the EOS.

@@ -55,14 +55,23 @@ void rotate_tensors(std::span<const int> tensors, const StepStrain<Real>& step, 
 }
 
 /// Components of ElementArrays::softening.
-enum : int { next_strength, next_tension, strength_applied, tension_applied, n_softening };
+enum : int {
+  next_strength,
+  next_tension,
+  next_compression,
+  strength_applied,
+  tension_applied,
+  compression_applied,
+  n_softening
+};
 inline constexpr double least_factor = 1e-6;  // below it nothing is left of a stress that could be restored
 
-/// Tensile pressures of this step keep their share.
+/// The pressures of this step keep their share.
 template <class Real>
-void weaken_tension(const ElementArrays<Real>& w, int block, SolidRows<Real>& rows) {
-  const double* factor = entry_at(w.softening, n_softening, block, next_tension, 0);
-  for (int l = 0; l < lane_width; ++l) rows.pressure[l] *= select(rows.pressure[l] < 0.0, factor[l], 1.0);
+void weaken_pressure(const ElementArrays<Real>& w, int block, SolidRows<Real>& rows) {
+  const double* tension = entry_at(w.softening, n_softening, block, next_tension, 0);
+  const double* compression = entry_at(w.softening, n_softening, block, next_compression, 0);
+  for (int l = 0; l < lane_width; ++l) rows.pressure[l] *= select(rows.pressure[l] < 0.0, tension[l], compression[l]);
 }
 
 /// Laws see the stress as it would be without softening.
@@ -75,11 +84,13 @@ template <class Real>
 
 /// The pressure of the last step as it would be without softening.
 template <class Real, class Number>
-void restore_tension(const ElementArrays<Real>& w, int block, const Real* pressure, Number* sound) {
-  const double* applied = entry_at(w.softening, n_softening, block, tension_applied, 0);
-  for (int l = 0; l < lane_width; ++l)
-    sound[l] =
-        static_cast<Number>(pressure[l] / select(pressure[l] < Real(0.0), max_of(applied[l], least_factor), 1.0));
+void restore_pressure(const ElementArrays<Real>& w, int block, const Real* pressure, Number* sound) {
+  const double* tension = entry_at(w.softening, n_softening, block, tension_applied, 0);
+  const double* compression = entry_at(w.softening, n_softening, block, compression_applied, 0);
+  for (int l = 0; l < lane_width; ++l) {
+    const double applied = select(pressure[l] < Real(0.0), tension[l], compression[l]);
+    sound[l] = static_cast<Number>(pressure[l] / max_of(applied, least_factor));
+  }
 }
 
 }  // namespace detail
@@ -101,7 +112,7 @@ void evaluate_eos(ElementArrays<Real>& w, int block, SolidRows<Real>& rows, bool
   e.bulk_modulus = rows.bulk;
   detail::in_block(*w.eos, block, [&] { w.eos->evaluate(e); });
   if (w.softening) [[unlikely]]
-    detail::weaken_tension(w, block, rows);
+    detail::weaken_pressure(w, block, rows);
 }
 
 /// Asks the material for the deviator and the shear modulus.
@@ -117,7 +128,7 @@ void update_material(ElementArrays<Real>& w, int block, SolidRows<Real>& rows) {
   m.pressure = entry_at(w.pressure, 1, block, 0, 0);
   alignas(64) Real sound[lane_width];
   if (w.softening) [[unlikely]] {
-    detail::restore_tension(w, block, m.pressure, sound);
+    detail::restore_pressure(w, block, m.pressure, sound);
     m.pressure = sound;
   }
   m.deviator = rows.deviator;
@@ -150,7 +161,7 @@ template <class Real>
     }
     rows.pressure[l] = pressure[l];
   }
-  if (w.softening) detail::restore_tension(w, block, pressure, rows.pressure);
+  if (w.softening) detail::restore_pressure(w, block, pressure, rows.pressure);
   m.reference_density = w.reference_density;
   m.strain_increment = strain;
   m.density = rows.exact_density;
@@ -164,7 +175,7 @@ template <class Real>
     for (int i = 0; i < 6; ++i) rows.deviator[i][l] = static_cast<Real>(deviator[i][l]);
     rows.modulus[l] = static_cast<Real>(modulus[l]);
   }
-  if (w.softening) detail::weaken_tension(w, block, rows);
+  if (w.softening) detail::weaken_pressure(w, block, rows);
 }
 
 /// Asks whichever law the part has for the deviator: a solid finds the pressure too.
