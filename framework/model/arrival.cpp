@@ -274,7 +274,8 @@ class ArrivalFinder {
       for (int k = 0; k < store.n_nodes(); ++k) {
         const std::size_t node = index(store.node(element.slot, k));
         if (is_exact_[node] != 0) continue;
-        const double time = through(store.shape(), corners, k, corners[index(k)].x, fronts_of(element).slowness);
+        const double time =
+            through(store.shape(), corners, k, corners[index(k)].x, fronts_of(element).slowness, time_[node]);
         if (time < time_[node]) found.emplace_back(node, time);
       }
     }
@@ -291,21 +292,26 @@ class ArrivalFinder {
     return corners;
   }
 
-  /// The earliest arrival at x through an element, from all its corners but one (-1: from all).
+  /// The earliest arrival at x through an element, from all its corners but one (-1: from all), where it is earlier
+  /// than `time`. Nothing arrives before the earliest of what it comes from, so most pieces need not be computed.
   static double through(const Shape& shape, const std::array<Known, Shape::most_nodes>& corners, int but, Vec3 x,
-                        double slowness) {
-    double time = never;
+                        double slowness, double time) {
+    double first = never;
+    for (int k = 0; k < shape.n_nodes; ++k)
+      if (k != but) first = std::min(first, corners[index(k)].time);
+    if (!(first < time)) return time;
     for (int k = 0; k < shape.n_nodes; ++k)
       if (k != but) time = std::min(time, eikonal::from_point(x, corners[index(k)], slowness));
-    if (!(time < never)) return never;
     for (int f = 0; f < shape.n_faces; ++f) {
       const int(&n)[4] = shape.face[f];
       const auto at = [&](int k) -> const Known& { return corners[index(n[k % 4])]; };
+      const auto is_early = [&](int k) { return at(k).time < time; };
       for (int k = 0; k < 4; ++k) {
         if (n[k] == but) continue;
         for (int l = k + 1; l < 4; ++l)
-          if (n[l] != but) time = std::min(time, eikonal::from_line(x, at(k), at(l), slowness));
-        if (n[(k + 1) % 4] != but && n[(k + 2) % 4] != but)
+          if (n[l] != but && (is_early(k) || is_early(l)))
+            time = std::min(time, eikonal::from_line(x, at(k), at(l), slowness));
+        if (n[(k + 1) % 4] != but && n[(k + 2) % 4] != but && (is_early(k) || is_early(k + 1) || is_early(k + 2)))
           time = std::min(time, eikonal::from_triangle(x, at(k), at(k + 1), at(k + 2), slowness));
       }
     }
@@ -318,8 +324,7 @@ class ArrivalFinder {
       Fronts& f = fronts_of(e);
       const Vec3 x = centre(e);
       double time = straight(f, x);
-      if (!is_uniform_ || !(time < never))
-        time = std::min(time, through(store_of(e).shape(), known(e), -1, x, f.slowness));
+      if (!is_uniform_ || !(time < never)) time = through(store_of(e).shape(), known(e), -1, x, f.slowness, time);
       store_of(e).field(p.field).set(e.slot, p.component, std::min(time, FrontLaw::never));
     }
   }
