@@ -8,6 +8,7 @@
 
 #include "core/assert.hpp"
 #include "model/copies.hpp"
+#include "model/held_energy.hpp"
 
 namespace kerf {
 
@@ -52,6 +53,7 @@ std::vector<ErosionRecord> Erosion::erode(Model& model, const Step& step, Ledger
       const double viscous = store.field(PartStore::viscous_energy).at(f.slot, 0);
       ledger.accounts.eroded_viscous += ledger.energy_quanta(model, viscous);
       ledger.accounts.eroded_internal += ledger.energy_quanta(model, total - viscous);
+      if (holds_energy(part)) ledger.accounts.eroded_chemical += ledger.energy_quanta(model, held_energy(part, f.slot));
       ++ledger.accounts.eroded_elements;
       ErosionRecord r;
       r.time = step.end();

@@ -26,6 +26,7 @@ struct Accounts {
   std::int64_t dropped_mass = 0;  // [mass quanta]
   std::int64_t eroded_elements = 0;
   std::int64_t friction = 0;  // the share of friction in contact [energy quanta]
+  std::int64_t eroded_chemical = 0;  // of eroded_internal, what laws still held back: unburnt explosive
 };
 
 /// All accounts as they stand one after another, to be summed over ranks and stored.
@@ -49,6 +50,8 @@ struct Balance {
   double kinetic = 0.0, internal = 0.0, hourglass = 0.0, bulk_viscosity = 0.0, contact = 0.0, external = 0.0,
          eroded = 0.0;  // [J]
   double friction = 0.0;  // the share of friction in contact [J]
+  double chemical = 0.0;  // held back by laws of live elements [J]
+  double released = 0.0, eroded_chemical = 0.0;  // what they have set free; what eroded elements still held [J]
   double given_back = 0.0;  // by contact, without friction, more than it has taken [J]
   double hourglass_given_back = 0.0;  // by hourglass control, more than it has taken [J]
   Vec3 momentum, impulse, dropped_momentum;  // [kg m/s]
@@ -91,8 +94,8 @@ inline const std::vector<BookLine>& book_lines() {
       {"initial", "J", in_energy, "initial", "energy of the model at the start", [](B b) { return b.initial; }},
       {"kinetic", "J", in_history | in_energy | adds_up, "kinetic", "kinetic energy of all nodes",
        [](B b) { return b.kinetic; }},
-      {"internal", "J", in_history | in_energy | adds_up, "internal", "internal energy of live elements",
-       [](B b) { return b.internal; }},
+      {"internal", "J", in_history | in_energy | adds_up, "internal",
+       "internal energy of live elements, but what explosives have not released", [](B b) { return b.internal; }},
       {"hourglass", "J", in_history | in_energy | adds_up, "hourglass", "what hourglass control has taken",
        [](B b) { return b.hourglass; }},
       {"bulk_viscosity", "J", in_history | in_energy | adds_up, "bulk viscosity", "what bulk viscosity has taken",
@@ -121,6 +124,12 @@ inline const std::vector<BookLine>& book_lines() {
       {"let_go_count", "-", in_history, nullptr, "nodes that contact has let go of",
        [](B b) { return static_cast<double>(b.let_go.nodes); }},
       {"imbalance", "-", in_history, nullptr, "greatest work of a rank over the mean", [](B b) { return b.imbalance; }},
+      {"chemical", "J", in_history | in_energy | adds_up, "chemical",
+       "chemical energy that explosives in live elements have not released", [](B b) { return b.chemical; }},
+      {"released", "J", in_history | in_energy | is_share, "  released",
+       "chemical energy that explosives have released, which other lines contain", [](B b) { return b.released; }},
+      {"eroded_chemical", "J", in_energy | is_share, nullptr, "the share in eroded of explosives that had not burnt",
+       [](B b) { return b.eroded_chemical; }},
   };
   return lines;
 }

@@ -5,9 +5,23 @@
 #include <cmath>
 
 #include "core/fixed_sum.hpp"
+#include "model/held_energy.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
+
+namespace {
+
+/// Of all live elements of this rank [J].
+std::vector<double> held_energies(const Model& model) {
+  std::vector<double> all;
+  for (const PartModel& part : model.parts)
+    for (int s = 0; holds_energy(part) && s < part.store->n_slots(); ++s)
+      if (part.store->live(s)) all.push_back(held_energy(part, s));
+  return all;
+}
+
+}  // namespace
 
 std::int64_t Ledger::energy_quanta(const Model& model, double joule) const {
   const double q = joule * model.quanta.per_energy;
@@ -37,6 +51,7 @@ void Ledger::open(Model& model) {
         internal.push_back(part.store->field(PartStore::internal_energy).at(s, 0) +
                            part.initial_energy * part.store->field(PartStore::mass).at(s, 0));
   initial_internal = order_free_sum(model.comm, internal);
+  initial_chemical = order_free_sum(model.comm, held_energies(model));
   initial_energy = order_free_sum(model.comm, kinetic) + initial_internal;
   initial_momentum = {order_free_sum(model.comm, px), order_free_sum(model.comm, py), order_free_sum(model.comm, pz)};
   initial_mass = order_free_sum(model.comm, mass);
@@ -72,10 +87,14 @@ void Ledger::close(const Model& model, Balance& b) const {
   AccountNumbers numbers = numbers_of(accounts);
   MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_INT64_T, MPI_SUM, model.comm);
   const Accounts all = b.totals = accounts_of(numbers);
-  const std::vector<double> totals = order_free_sums(model.comm, {internal, viscous, mass});
+  const std::vector<double> chemical = held_energies(model);
+  const std::vector<double> totals = order_free_sums(model.comm, {internal, viscous, mass, chemical});
   b.energy_quantum = model.quanta.energy;
   b.initial = initial_energy;
-  b.internal = totals[0];
+  b.internal = totals[0] - totals[3];
+  b.chemical = totals[3];
+  b.eroded_chemical = b.joule(all.eroded_chemical);
+  b.released = initial_chemical - b.chemical - b.eroded_chemical;
   b.bulk_viscosity = totals[1] + b.joule(all.eroded_viscous);
   b.hourglass = b.joule(all.hourglass);
   b.eroded = b.joule(all.eroded_internal + all.dropped_kinetic);

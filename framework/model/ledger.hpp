@@ -26,6 +26,7 @@ class Ledger {
   Accounts accounts;
   LetGo let_go;  // by this rank
   double initial_energy = 0.0, initial_internal = 0.0, initial_mass = 0.0;  // [J], [J] part of it, [kg]
+  double initial_chemical = 0.0;  // part of the initial internal energy that laws hold back [J]
   Vec3 initial_momentum;
   double smallest_reference = 1e-300;  // of the balance error [J]
   double momentum_quantum = 1.0, mass_quantum = 1.0;

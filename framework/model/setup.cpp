@@ -13,6 +13,7 @@
 #include "core/fixed_sum.hpp"
 #include "input/node_choice.hpp"
 #include "mesh/quality.hpp"
+#include "model/arrival.hpp"
 #include "model/copies.hpp"
 #include "model/initial_state.hpp"
 #include "model/joining.hpp"
@@ -456,6 +457,7 @@ void generate_mesh(Model& model) {
   if (model.has_joined_parts()) join(model, bundle, facts);
   assemble(model, std::move(bundle));
   lump_masses(model);
+  find_arrivals(model);
   apply_initial_states(model);
   set_force_quantum(model);
 }

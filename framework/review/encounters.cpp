@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "model/held_energy.hpp"
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
 
@@ -191,7 +192,7 @@ void Encounters::find_starts() {
     s.spread = norm(fastest - slowest);
     s.is_held = l[held] > 0.0;
     s.is_driven = l[driven] > 0.0;
-    s.is_loaded = l[loaded] > 0.0;
+    s.is_loaded = l[loaded] > 0.0 || acts_by_itself(model_.parts[p]);
     parts_.push_back(s);
   }
   share_starts();

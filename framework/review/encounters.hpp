@@ -18,7 +18,7 @@ struct PartStart {
   double spread = 0.0;  // greatest difference of its nodes' velocities; 0 for a translation [m/s]
   bool is_held = false;  // a boundary condition that is no plane of symmetry acts on some of its nodes in every step
   bool is_driven = false;  // and moves them
-  bool is_loaded = false;  // a load acts on it, or forces do already: its material is under pressure
+  bool is_loaded = false;  // a load acts on it, or forces do already, or its material will: explosive
 
   bool rests() const { return norm(velocity) == 0.0 && spread == 0.0 && !is_driven; }
   /// Whether it flies on as it is until something stops it.

@@ -12,6 +12,7 @@
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
 #include "review/encounters.hpp"
+#include "review/law_warnings.hpp"
 
 namespace kerf {
 
@@ -279,6 +280,7 @@ Lines model_warnings(Model& model, const ContactCover& cover, const std::vector<
   warn_of_swallowing_planes(model, lines);
   warn_of_distance(model, encounters, lines);
   warn_of_idle_loads(model, load_targets, lines);
+  for (std::string& line : law_warnings(model)) lines.push_back(std::move(line));
   return lines;
 }
 

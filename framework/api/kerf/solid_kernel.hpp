@@ -159,6 +159,9 @@ class SolidKernel {
   /// Way of a node in the first step over the length of its element. A wall may stop the node in it, and the step then
   /// shrinks while the forces are large, which makes energy: 1.8 % of a soft block's at 0.3, 0.2 % at 0.05.
   static constexpr double most_crossed = 0.05;
+  /// Of the new volume. The balance of a charge of 16^3 cells that bursts into a void is off by 0.4 % without a bound,
+  /// and by 0.13 % with 0.2, which takes half as many steps again; less brings no more.
+  static constexpr double most_growth = 0.2;
   [[gnu::always_inline]] static const std::int32_t* nodes_of(const Work& w, int block, int lane) {
     return entry_at(w.nodes, n_nodes, block, 0, lane);
   }
@@ -434,6 +437,16 @@ class SolidKernel {
     store_lanes(entry_at(w.pressure, 1, block, 0, lane), p.p);
     p.stable = stable_step(w, block, lane, p.k, p.per_volume, p.viscosity, p.c * p.c,
                            load_lanes_as<Real>(rows.bulk + lane), load_lanes(rows.modulus + lane), p.density);
+    bound_growth(static_cast<Real>(w.dt), load_lanes(rows.modulus + lane), p);
+  }
+
+  /// The step in which what has no strength, a gas, would grow by `most_growth` of its volume at its present rate. A
+  /// gas that runs into a void is slow to signal and quick to move: a step that is stable for its waves would double
+  /// cells, and the work of the force at both ends of such a step is not that of the pressure.
+  [[gnu::always_inline]] static void bound_growth(Real dt, V shear, Piece& p) {
+    const V growth = max_of(p.volume_change * p.per_volume, V{});
+    const V longest = Real(most_growth) * dt / (growth + tiny<Real>);
+    p.stable = shear > Real(0.0) ? p.stable : min_of(p.stable, longest);
   }
 
   /// The stress that an element dies with never acts on its nodes: of the work of the step only the share of the old

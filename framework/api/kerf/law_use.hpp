@@ -1,0 +1,85 @@
+// What a law may tell about its use before the first step: warnings, energy that it holds back, and fronts that run
+// through its material.
+//
+// Each of the three is a class that a law of an element (material, solid, equation of state, erosion criterion) may
+// derive from beside its own base. A law that does not is not asked.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "kerf/math.hpp"
+
+namespace kerf {
+
+/// A law in one part of the undeformed model. Functions are collective: all ranks call them in the same order, and get
+/// the same answer.
+class LawUse {
+ public:
+  std::string part;  // name
+  double density = 0.0;  // reference density [kg/m3]
+  double end = 0.0;  // of the run [s]
+  std::int64_t n_elements = 0;
+  double length = 0.0;  // cube root of the mean volume of the part's elements [m]
+
+  LawUse() = default;
+  LawUse(const LawUse&) = delete;
+  LawUse& operator=(const LawUse&) = delete;
+  virtual ~LawUse() = default;
+
+  /// Least and greatest value of a state variable in the part's elements, the latter of those below `below`; infinity
+  /// and its negative where there are none.
+  virtual double least(const std::string& variable) = 0;
+  virtual double greatest(const std::string& variable, double below) = 0;
+  /// How many elements have a value of at least `limit`.
+  virtual std::int64_t count_from(const std::string& variable, double limit) = 0;
+};
+
+/// A law that has something to say about its parameters, or about a part, before a run. `kerf check` and `kerf run`
+/// print it, and summary.json lists it.
+class WarningLaw {
+ public:
+  virtual ~WarningLaw() = default;
+  /// Sentences without a full stop: "what is odd; what to do". The engine puts the place in the input before them. Once
+  /// for each part of the law's material; what several parts say alike is printed once.
+  virtual std::vector<std::string> warnings(LawUse& use) const = 0;
+};
+
+/// A law that holds back energy which its initial_energy_density() contains, and sets it free in the course of a run:
+/// the chemical energy of an explosive. The books show it apart.
+class EnergyHolder {
+ public:
+  virtual ~EnergyHolder() = default;
+  /// What is left of it, per reference volume [J/m3]; `state` is in the order of state_variables().
+  virtual double energy_held(std::span<const double> state) const = 0;
+  /// Whether the law will set its material in motion, though nothing strikes it.
+  virtual bool acts_by_itself() const = 0;
+};
+
+/// Where and when a front starts.
+struct FrontOrigin {
+  Vec3 point;  // [m]
+  double time = 0.0;  // [s]
+};
+
+/// A law whose material a front runs through at a given speed, round what is of another material: a detonation. The
+/// engine finds when it arrives at each element, on the undeformed mesh, from |grad t| = 1/speed. It runs on through
+/// parts that share nodes with the part, and whose laws are of this kind as well.
+class FrontLaw {
+ public:
+  static constexpr double never = 1e30;  // [s] the arrival time where no front comes
+
+  virtual ~FrontLaw() = default;
+  /// False where the law does without: the engine then leaves the law's state alone.
+  virtual bool asks_for_arrival() const = 0;
+  virtual double front_speed(double reference_density) const = 0;  // [m/s]
+  virtual int n_origins() const = 0;
+  /// The place of an origin, which may be a line or a plane, that is nearest to x.
+  virtual FrontOrigin origin(int number, Vec3 x) const = 0;
+  /// The state variable that takes the arrival time.
+  virtual std::string arrival_variable() const = 0;
+};
+
+}  // namespace kerf
