@@ -145,6 +145,27 @@ class PartOf {
     integrate();
   }
 
+  /// All that a step changes; restore() takes the part back to it.
+  struct Snapshot {
+    std::vector<Vec3> x, v;
+    std::vector<std::vector<double>> records;
+    double time = 0.0;
+  };
+  Snapshot save() const {
+    Snapshot s{x, v, {}, time_};
+    for (int e = 0; e < n_elements(); ++e) {
+      s.records.emplace_back(static_cast<std::size_t>(store_.record_size()));
+      store_.pack(e, s.records.back().data());
+    }
+    return s;
+  }
+  void restore(const Snapshot& s) {
+    x = s.x;
+    v = s.v;
+    time_ = s.time;
+    for (int e = 0; e < n_elements(); ++e) store_.put(e, e, elements_[e].data(), s.records[e].data());
+  }
+
   int n_elements() const { return static_cast<int>(elements_.size()); }
   const std::array<std::int32_t, 8>& nodes(int e) const { return elements_[e]; }
   double get(PartStore::FieldIndex field, int e, int component = 0) const {
