@@ -65,7 +65,7 @@ def test_describe_shows_numbers_with_their_sources():
     assert text == kerf("describe", "library", "copper_ofhc_johnson_cook").stdout
     assert re.search(r"strength\.A +90 MPa +\[1\] +yield stress at the reference rate", text)
     assert re.search(r"eos\.c0 +3940 m/s +\[2\] +shock velocity", text)
-    for part in ("not verified", "Johnson and W.H. Cook", "Uintah", "johnson_cook.yaml:4:1", "library: copper_ofhc"):
+    for part in ("not verified", "Johnson and W.H. Cook", "Uintah", "johnson_cook.yaml:5:1", "library: copper_ofhc"):
         assert part in text
     assert "| `strength.A` | 90 MPa | [1] |" in kerf("describe", "--markdown", "copper_ofhc_johnson_cook").stdout
 

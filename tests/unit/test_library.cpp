@@ -98,7 +98,7 @@ TEST(Library, a_set_stands_where_its_name_stood) {
 
 TEST(Library, values_keep_the_place_where_they_were_written) {
   const Expanded e = expand("materials:\n  rod:\n    library: steel_a\n    strength: {yield_stress: 500 MPa}\n");
-  EXPECT_EQ(at(e.root, {"materials", "rod", "strength", "yield_stress"}).origin.text(), "case.yaml:4:31");
+  EXPECT_EQ(at(e.root, {"materials", "rod", "strength", "yield_stress"}).origin.text(), "case.yaml:4:30");
   EXPECT_EQ(at(e.root, {"materials", "rod", "strength", "shear_modulus"}).origin.text(), "lib/metals.yaml:9:54");
 }
 
