@@ -6,6 +6,8 @@
 #include "app/commands.hpp"
 #include "core/diagnostics.hpp"
 #include "input/json_schema.hpp"
+#include "input/library.hpp"
+#include "input/library_pages.hpp"
 #include "input/parameter_text.hpp"
 #include "input/reference_writer.hpp"
 #include "report/output_reference.hpp"
@@ -22,9 +24,32 @@ int refuse(const std::string& message) {
 
 bool is_kind(const Registry& registry, const std::string& kind) { return !registry.names(kind).empty(); }
 
+/// Throws InputError where a file is wrong.
+MaterialLibrary read_library(const std::vector<std::string>& folders = library_folders()) {
+  Diagnostics diagnostics;
+  MaterialLibrary library(folders, read_text_file, diagnostics);
+  diagnostics.throw_if_errors();
+  return library;
+}
+
+/// Without the folders of a user's own, which no reference manual of Kerf describes.
+MaterialLibrary read_library_of_kerf() { return read_library({library_folders().front()}); }
+
+int describe_set(const Registry& registry, const MaterialLibrary& library, const std::string& name, bool markdown) {
+  const MaterialSet* set = library.find(name);
+  if (!set)
+    return refuse(fmt::format("there is no set \"{}\" in the material library{}", name, library.suggestion_for(name)));
+  print(markdown ? set_markdown(*set, registry) : set_text(*set, registry));
+  return exit_done;
+}
+
 }  // namespace
 
 int list_command(const Registry& registry, const std::string& kind) {
+  if (kind == "library") {
+    print(library_text(read_library()));
+    return exit_done;
+  }
   if (!kind.empty() && !is_kind(registry, kind))
     return refuse(fmt::format("there is no kind \"{}\"{}", kind, suggestion(kind, registry.kinds(), "the kinds")));
   print(list_text(registry, kind));
@@ -37,6 +62,7 @@ int describe_command(const Registry& registry, const std::vector<std::string>& n
     return exit_done;
   };
   const std::string& name = names.back();
+  if (names.size() == 2 && names.front() == "library") return describe_set(registry, read_library(), name, markdown);
   if (names.size() == 1 && name == "input") return show(input_description());
   std::vector<const Description*> found;
   std::vector<std::string> all = {"input"}, homonyms;
@@ -53,10 +79,16 @@ int describe_command(const Registry& registry, const std::vector<std::string>& n
                               suggestion(names.front(), registry.kinds(), "the kinds")));
   if (found.empty() && names.size() == 1 && is_kind(registry, name))
     return refuse(fmt::format("\"{}\" is a kind, not a name; `kerf list {}` shows its names", name, name));
+  if (found.empty() && names.size() == 1) {
+    const MaterialLibrary library = read_library();
+    if (library.find(name)) return describe_set(registry, library, name, markdown);
+    for (const std::string& set : library.names()) all.push_back(set);
+  }
   if (found.empty()) {
     const std::string near = nearest_name(name, all);
-    return refuse(fmt::format("nothing is called \"{}\"; {}", name,
-                              near.empty() ? "`kerf list` shows all names" : "did you mean `" + near + "`?"));
+    return refuse(fmt::format(
+        "nothing is called \"{}\"; {}", name,
+        near.empty() ? "`kerf list` and `kerf list library` show all names" : "did you mean `" + near + "`?"));
   }
   if (found.size() > 1)
     return refuse(fmt::format("\"{}\" is the name of several; say {}", name, listed(homonyms, " or ")));
@@ -70,6 +102,7 @@ int schema_command(const Registry& registry) {
 
 int reference_command(const Registry& registry, const std::string& folder) {
   write_reference(registry, folder, output_reference());
+  write_library_reference(read_library_of_kerf(), registry, folder);
   return exit_done;
 }
 

@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "core/diagnostics.hpp"
+#include "input/library.hpp"
 #include "input/read_model.hpp"
 #include "kerf/measure.hpp"
 #include "parallel/communicator.hpp"
@@ -76,14 +77,24 @@ void check_memory(MPI_Comm comm, const ModelInput& input, const std::string& nam
 }
 
 std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& options, const Registry& registry,
-                                  const FileReader& read) {
+                                  const FileReader& read, const std::vector<std::string>& library) {
   Diagnostics diagnostics;
   OriginMap origins;
-  auto input = read_model_input(options.input, bytes, options.overrides, registry, diagnostics, origins, read);
+  auto input = read_model_input(options.input, bytes, options.overrides, registry, diagnostics, origins, read, library);
   validate(*input, origins, diagnostics);
   diagnostics.throw_if_errors();
   input->warnings = diagnostics.warnings();
   return input;
+}
+
+/// The library folders as rank 0 knows them: other machines may have another environment. Collective.
+std::vector<std::string> library_of_root(MPI_Comm comm) {
+  std::string lines;
+  for (const std::string& folder : library_folders()) lines += folder + "\n";
+  std::istringstream list(broadcast(comm, lines));
+  std::vector<std::string> folders;
+  for (std::string folder; std::getline(list, folder);) folders.push_back(folder);
+  return folders;
 }
 
 }  // namespace
@@ -92,7 +103,8 @@ void check_before_launch(const RunOptions& options, const Registry& registry) {
   std::string failure;
   const std::string bytes = read_file(options.input, failure);
   if (!failure.empty()) throw InputError({failure});
-  check_enough_elements(*parse(bytes, options, registry, read_text_file), options.input, options.ranks);
+  check_enough_elements(*parse(bytes, options, registry, read_text_file, library_folders()), options.input,
+                        options.ranks);
   // A rank takes about 20 MB before it holds anything. Under a batch system they may go to several machines.
   constexpr double bytes_per_rank = 2.0e7;
   for (const char* name : {"SLURM_JOB_ID", "PBS_JOBID", "LSB_JOBID", "OMPI_MCA_orte_default_hostfile"})
@@ -116,7 +128,7 @@ std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options,
     trouble = broadcast(comm, trouble);
     return broadcast(comm, text);
   };
-  auto input = parse(bytes, options, registry, read_on_root);
+  auto input = parse(bytes, options, registry, read_on_root, library_of_root(comm));
   check_enough_elements(*input, options.input, size_of(comm));
   check_memory(comm, *input, options.input);
   return input;

@@ -56,10 +56,13 @@ void add_commands(CLI::App& app, Arguments& a) {
   run->add_flag("--resume", a.run.resume, "continue from the last restart file in the output folder");
   add_input(*add_command(app, a, "check", "check an input file without running it"), a);
   add_command(app, a, "list", "list the types that an input can name")
-      ->add_option("KIND", a.kind, "only this kind, for example material")
+      ->add_option("KIND", a.kind, "only this kind, for example material; library for the sets of the material library")
       ->type_name("");
   CLI::App* describe = add_command(app, a, "describe", "show what a type takes and keeps");
-  describe->add_option("NAME", a.names, "NAME, or KIND NAME, or input for the whole input file")
+  describe
+      ->add_option(
+          "NAME", a.names,
+          "NAME, or KIND NAME, or input for the whole input file; of a type, or of a set of the material library")
       ->required()
       ->expected(1, 2)
       ->type_name("");

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -24,7 +25,24 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
 
 }  // namespace
 
+namespace {
+
+std::string names_of_yaml_files(const std::string& folder, std::string& failure) {
+  std::error_code trouble;
+  std::vector<std::string> names;
+  for (const auto& file : std::filesystem::directory_iterator(folder, trouble))
+    if (file.path().extension() == ".yaml") names.push_back(file.path().filename().string());
+  if (trouble) failure = trouble.message();
+  std::sort(names.begin(), names.end());
+  std::string text;
+  for (const std::string& name : names) text += name + "\n";
+  return text;
+}
+
+}  // namespace
+
 std::string read_text_file(const std::string& path, std::string& failure) {
+  if (path.ends_with('/')) return names_of_yaml_files(path, failure);
   std::error_code none;
   // A device may have no end.
   if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none)) {

@@ -15,7 +15,8 @@ namespace kerf {
 /// Returns the contents of a file; where it cannot be read, sets `failure` to a sentence.
 using FileReader = std::function<std::string(const std::string& path, std::string& failure)>;
 
-/// Reads a file of this machine.
+/// Reads a file of this machine. A path that ends in / names a folder, of which the names of its files *.yaml are read,
+/// in the order of the alphabet, one a line.
 std::string read_text_file(const std::string& path, std::string& failure);
 
 class CurveTable {

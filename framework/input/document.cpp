@@ -57,6 +57,33 @@ Node* step_into(Node& node, const std::string& element, const Origin& origin, Di
   return &node.entries.back().value;
 }
 
+/// A text as YAML, in quotes where it could be read as something else.
+std::string quoted(const std::string& text) {
+  const auto plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' ||
+           c == '+' || c == '-' || c == '/' || c == '(' || c == ')' || c == ' ';
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), plain) && text.front() != ' ' && text.back() != ' ' &&
+      text.front() != '-' && text != "null")
+    return text;
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c == '\n' ? std::string("\\n") : std::string(1, c);
+  }
+  return out + "\"";
+}
+
+std::string inline_yaml(const Node& node) {
+  if (node.is_scalar()) return quoted(node.text);
+  if (node.is_nothing()) return "";
+  std::string text;
+  for (const Node& item : node.items) text += (text.empty() ? "" : ", ") + inline_yaml(item);
+  for (const Entry& entry : node.entries)
+    text += (text.empty() ? "" : ", ") + quoted(entry.key) + ": " + inline_yaml(entry.value);
+  return node.is_list() ? "[" + text + "]" : "{" + text + "}";
+}
+
 }  // namespace
 
 const Entry* Node::find(std::string_view key) const {
@@ -118,6 +145,30 @@ void apply_override(Node& root, const std::string& override_text, Diagnostics& d
   }
   *node = node_from_text(override_text.substr(equals + 1), origin, diagnostics);
   if (last) last->key_origin = origin;
+}
+
+void Digest::add(const std::string& text) {
+  for (const char c : text + '\n') value_ = (value_ ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+}
+
+void Digest::add(const Node& node) {
+  add(node.text);
+  for (const Node& item : node.items) add(item);
+  for (const Entry& entry : node.entries) {
+    add(entry.key);
+    add(entry.value);
+  }
+}
+
+std::string yaml_text(const Node& node, int indent) {
+  if (!node.is_map()) return inline_yaml(node) + "\n";
+  std::string text;
+  for (const Entry& entry : node.entries) {
+    text += std::string(static_cast<std::size_t>(indent), ' ') + quoted(entry.key) + ":";
+    const bool is_block = entry.value.is_map() && !entry.value.entries.empty();
+    text += is_block ? "\n" + yaml_text(entry.value, indent + 2) : " " + inline_yaml(entry.value) + "\n";
+  }
+  return text;
 }
 
 void OriginMap::add(const std::string& path, const Origin& origin, std::string text) {

@@ -1,6 +1,7 @@
 // The input as a tree of values that know where they were written; free of any YAML library.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -44,6 +45,21 @@ void apply_override(Node& root, const std::string& override_text, Diagnostics& d
 
 /// Reads a default or an override as a user's text; every node gets the same origin.
 Node node_from_text(const std::string& text, const Origin& origin, Diagnostics& diagnostics);
+
+/// Fingerprint of texts and nodes, in the order in which they are added (FNV-1a).
+class Digest {
+ public:
+  void add(const std::string& text);
+  /// Keys and texts, in the order of writing; not where they stand.
+  void add(const Node& node);
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325ULL;
+};
+
+/// A node as YAML that reads back as the same tree: a block of maps, one key a line, with lists in one line.
+std::string yaml_text(const Node& node, int indent = 0);
 
 /// Remembers where the values of a model were written, by path: "parts.rod.material", "contacts[0].master".
 class OriginMap {

@@ -1,6 +1,7 @@
 // The JSON schema of the input file, made from the same descriptions that the input is read by.
 #include "input/json_schema.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -114,10 +115,29 @@ void add_keys(Json& schema, const Description& d) {
   schema["additionalProperties"] = false;
 }
 
+/// Of a block whose key `library` stands for a set: the set has what is required, and what the input gives beside it
+/// replaces single keys, so that blocks may be incomplete.
+Json schema_beside_library(const Description& d) {
+  Json schema = {{"type", "object"}, {"properties", Json::object()}, {"additionalProperties", false}};
+  for (const Parameter& p : d.parameters) {
+    const bool is_part = !p.plugin_kind.empty() || p.nested;
+    Json value = is_part ? Json{{"anyOf", {Json{{"type", "object"}}, Json{{"const", "suggested"}}}}} : value_schema(p);
+    value["description"] = description_of(p);
+    schema["properties"][p.name] = std::move(value);
+  }
+  return schema;
+}
+
 Json block_schema(const Description& d) {
   Json schema = {{"type", "object"}, {"properties", Json::object()}};
   add_keys(schema, d);
-  return schema;
+  const bool takes_sets = std::any_of(d.parameters.begin(), d.parameters.end(), [](const Parameter& p) {
+    return p.name == "library" && p.kind == ValueKind::text;
+  });
+  if (!takes_sets) return schema;
+  return {{"if", {{"type", "object"}, {"required", {"library"}}}},
+          {"then", schema_beside_library(d)},
+          {"else", std::move(schema)}};
 }
 
 Json plugin_schema(const Description& d) {

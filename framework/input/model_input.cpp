@@ -83,6 +83,10 @@ void ErosionInput::describe(Schema<ErosionInput>& s) {
 }
 
 void MaterialInput::describe(Schema<MaterialInput>& s) {
+  s.text(&MaterialInput::library, "library",
+         "name of a set of the material library, whose blocks stand here then; what is given beside it replaces single "
+         "keys, and `erosion: suggested` takes what the set suggests (`kerf list library`)")
+      .optional();
   s.real(&MaterialInput::density, "density", "kg/m3", positive, "density of the undeformed material");
   s.plugin(&MaterialInput::strength, "strength", "material", "law of the stress deviator; needs an eos").optional();
   s.plugin(&MaterialInput::eos, "eos", "eos", "equation of state, the law of the pressure; needs a strength")
@@ -224,6 +228,9 @@ void ModelInput::describe(Schema<ModelInput>& s) {
            "numbers that elements compute with and keep their stress in; single is faster and less exact")
       .by_default("double");
   s.text_map(&ModelInput::parameters, "parameters", "values by name, used as $name in place of any single value")
+      .optional();
+  s.texts(&ModelInput::library, "library",
+          "folders with material sets of your own, relative to the input file, beside those that come with Kerf")
       .optional();
   s.block(&ModelInput::time, "time", "how long the run is and how its time step is chosen");
   // Before all that may name a curve.

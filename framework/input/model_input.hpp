@@ -54,6 +54,7 @@ struct ErosionInput {
 
 struct MaterialInput {
   std::string name;
+  std::string library;  // name of a set; its blocks are in their places already, without this key
   double density = 0.0;
   std::unique_ptr<Material> strength;  // this and an EOS, or a solid
   std::unique_ptr<Eos> eos;
@@ -132,8 +133,16 @@ struct ChecksInput {
   static void describe(Schema<ChecksInput>& s);
 };
 
+/// How the input has named a set of the material library.
+struct LibraryUse {
+  std::string material, set, file, hash;
+  bool verified = false;
+  std::vector<std::string> overridden;  // paths inside the material
+};
+
 struct ModelInput {
   std::string title, precision;
+  std::vector<std::string> library;  // folders of further sets; they are in their places already
   std::map<std::string, std::string> parameters;  // as written; they are in their places already
   TimeInput time;
   std::vector<std::unique_ptr<CurveInput>> curves;
@@ -154,6 +163,8 @@ struct ModelInput {
   std::string digest;
   std::string end_origin;  // where time.end was written
   std::vector<std::string> warnings;  // about the text of the input
+  std::vector<LibraryUse> library_uses;  // sets of the material library that are in their places already
+  std::string materials_text;  // the block `materials` with all sets written out; empty where none was named
   static void describe(Schema<ModelInput>& s);
   ~ModelInput();
 };

@@ -1,7 +1,6 @@
 // Reads the text of an input file into a model.
 #include "input/read_model.hpp"
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -15,21 +14,6 @@ namespace kerf {
 
 namespace {
 
-/// FNV-1a.
-void add(const std::string& text, std::uint64_t& hash) {
-  for (const char c : text + '\n') hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-}
-
-/// Of keys and texts, in the order of writing.
-void digest(const Node& node, std::uint64_t& hash) {
-  add(node.text, hash);
-  for (const Node& item : node.items) digest(item, hash);
-  for (const Entry& entry : node.entries) {
-    add(entry.key, hash);
-    digest(entry.value, hash);
-  }
-}
-
 /// Whether an entry means the same as leaving its key out. Restart files from before the key existed still match then.
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
 
@@ -37,26 +21,35 @@ bool is_default(const Entry& entry) { return entry.key == "precision" && entry.v
 /// files that they name, and the choice of the time step: what is computed. How long, how it is distributed and what is
 /// written may change at a restart.
 std::string physics_digest(const Node& root, const std::vector<std::string>& files) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  Digest hash;
   for (const char* key : {"precision", "materials", "parts", "joined", "sets", "initial_state", "boundaries",
                           "contacts", "checks", "loads", "curves"})
-    if (const Entry* entry = root.find(key); entry && !is_default(*entry)) digest(entry->value, hash);
+    if (const Entry* entry = root.find(key); entry && !is_default(*entry)) hash.add(entry->value);
   if (const Entry* time = root.find("time"))
     for (const Entry& entry : time->value.entries)
       if (entry.key != "end" && entry.key != "maximum_cycles") {
-        digest(Node{.origin = {}, .text = entry.key, .items = {}, .entries = {}}, hash);
-        digest(entry.value, hash);
+        hash.add(entry.key);
+        hash.add(entry.value);
       }
   for (const std::string& text : files)
-    if (!text.empty()) add(text, hash);
-  return std::to_string(hash);
+    if (!text.empty()) hash.add(text);
+  return std::to_string(hash.value());
+}
+
+/// The block `materials` with its key.
+Node materials_of(const Node& root) {
+  Node block;
+  block.kind = Node::Kind::map;
+  block.entries.push_back(*root.find("materials"));
+  return block;
 }
 
 }  // namespace
 
 std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const std::string& bytes,
                                              const std::vector<std::string>& overrides, const Registry& registry,
-                                             Diagnostics& diagnostics, OriginMap& origins, const FileReader& read) {
+                                             Diagnostics& diagnostics, OriginMap& origins, const FileReader& read,
+                                             const std::vector<std::string>& library) {
   std::optional<Node> root = read_yaml(file_name, bytes, diagnostics);
   if (!root) throw InputError(diagnostics.errors());
   const Origin top{std::make_shared<const std::string>(file_name), 1, 1};
@@ -67,8 +60,11 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
     diagnostics.error(top, "the input is empty; expected at least the keys time, materials and parts");
     return model;
   }
+  const std::string folder = std::filesystem::path(file_name).parent_path().string();
+  model->library_uses = expand_library(*root, folder, library, read, diagnostics);
+  if (!model->library_uses.empty()) model->materials_text = yaml_text(materials_of(*root));
   origins.add("", top);
-  CurveTable curves(model->curves, std::filesystem::path(file_name).parent_path().string(), read, origins, diagnostics);
+  CurveTable curves(model->curves, folder, read, origins, diagnostics);
   Binder(registry, diagnostics, origins, &curves)
       .bind_block(Schema<ModelInput>::described<ModelInput>(), *root, model.get(), "", top);
   for (std::size_t k = 0; k < model->joined.size(); ++k)

@@ -8,6 +8,7 @@
 #include "core/diagnostics.hpp"
 #include "input/curve_table.hpp"
 #include "input/document.hpp"
+#include "input/library.hpp"
 #include "input/model_input.hpp"
 #include "plugin/registry.hpp"
 
@@ -15,11 +16,13 @@ namespace kerf {
 
 /// Reads an input text, after the overrides "key.path=value", into a model. All mistakes go to `diagnostics`, and
 /// the model holds what could be read: members whose text was wrong are null. `read` gets the files that the text
-/// names, always the same ones in the same order. Throws InputError where the text is not YAML at all.
+/// names, always the same ones in the same order; sets of materials are looked for in the folders `library`. Throws
+/// InputError where the text is not YAML at all, or names a set of materials that does not exist.
 std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const std::string& bytes,
                                              const std::vector<std::string>& overrides, const Registry& registry,
                                              Diagnostics& diagnostics, OriginMap& origins,
-                                             const FileReader& read = read_text_file);
+                                             const FileReader& read = read_text_file,
+                                             const std::vector<std::string>& library = library_folders());
 
 /// Checks what no single block can know: names that refer to one another, faces, variables that laws read from one
 /// another. Prepares the mesh generators. May be called on a model with errors, to find all of them at once.

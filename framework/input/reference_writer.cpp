@@ -115,14 +115,6 @@ std::string theory_link(const std::filesystem::path& root, const Description& d)
   return fmt::format("\nEquations and sources: [theory/{0}](../../theory/{0}.md{1}).\n", page, section);
 }
 
-void write_file(const std::filesystem::path& path, const std::string& text) {
-  std::filesystem::create_directories(path.parent_path());
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw std::runtime_error("cannot write " + path.string());
-}
-
 }  // namespace
 
 const Description& input_description() {
@@ -183,6 +175,15 @@ std::string describe_markdown(const Description& d) {
   return text;
 }
 
+void write_page(const std::string& name, const std::string& text) {
+  const std::filesystem::path path(name);
+  std::filesystem::create_directories(path.parent_path());
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) throw std::runtime_error("cannot write " + path.string());
+}
+
 void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page) {
   const std::filesystem::path root = std::filesystem::absolute(folder).lexically_normal();
   std::string index =
@@ -191,18 +192,19 @@ void write_reference(const Registry& registry, const std::string& folder, const 
       "values, and the state variables it keeps. Generated from the declarations in the code by `kerf reference`; "
       "changes belong there. On the terminal, `kerf list` and `kerf describe NAME` show the same.\n\n"
       "- [input](input.md): the whole input file\n"
-      "- [output](output.md): columns, keys, fields and timers that are written\n";
-  write_file(root / "input.md", describe_markdown(input_description()));
-  write_file(root / "output.md", output_page);
+      "- [output](output.md): columns, keys, fields and timers that are written\n"
+      "- [library](library/README.md): sets of constants of named materials\n";
+  write_page((root / "input.md").string(), describe_markdown(input_description()));
+  write_page((root / "output.md").string(), output_page);
   for (const std::string& kind : registry.kinds()) {
     index += fmt::format("\n## {}\n\n", kind);
     for (const std::string& name : registry.names(kind)) {
       const Description& d = *registry.find(kind, name);
       index += fmt::format("- [{}]({}/{}.md): {}\n", name, kind, name, d.summary);
-      write_file(root / kind / (name + ".md"), describe_markdown(d) + theory_link(root, d));
+      write_page((root / kind / (name + ".md")).string(), describe_markdown(d) + theory_link(root, d));
     }
   }
-  write_file(root / "README.md", index);
+  write_page((root / "README.md").string(), index);
 }
 
 }  // namespace kerf

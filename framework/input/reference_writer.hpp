@@ -15,6 +15,9 @@ std::string list_text(const Registry& registry, const std::string& kind);
 std::string describe_text(const Description& description);
 std::string describe_markdown(const Description& description);
 
+/// Writes a page, in a folder that is made if need be. Throws std::runtime_error where that fails.
+void write_page(const std::string& path, const std::string& text);
+
 /// What stands at the top of an input file: the declaration of ModelInput.
 const Description& input_description();
 

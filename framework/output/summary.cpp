@@ -40,6 +40,10 @@ Json json_of(const Summary::Part& p) {
       {"elements", p.elements}, {"alive", p.alive}, {"mass", p.mass}, {"velocity", p.velocity}, {"kinetic", p.kinetic}};
 }
 
+Json json_of(const Summary::LibrarySet& l) {
+  return {{"set", l.set}, {"file", l.file}, {"hash", l.hash}, {"verified", l.verified}, {"overridden", l.overridden}};
+}
+
 Json json_of(const Summary::Rebalance& r) {
   return {{"cycle", r.cycle},
           {"imbalance_before", r.imbalance_before},
@@ -86,6 +90,7 @@ std::string summary_text(const Summary& s) {
   json["parts"] = object_of(s.parts, [](const Summary::Part& p) { return json_of(p); });
   json["measures"] = object_of(s.measures, [](double v) { return Json(v); });
   json["not_measured"] = object_of(s.not_measured, [](const std::string& reason) { return Json(reason); });
+  json["library"] = object_of(s.library, [](const Summary::LibrarySet& l) { return json_of(l); });
   json["warnings"] = s.warnings;
   json["timers"] = object_of(s.timers, [](const Summary::Timer& t) {
     return Json{{"min", t.min}, {"mean", t.mean}, {"max", t.max}};

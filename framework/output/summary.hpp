@@ -63,6 +63,12 @@ struct Summary {
     std::array<double, 3> velocity{};  // [m/s] mass average; NaN where nothing is left to move
     double kinetic = 0.0;  // [J]
   };
+  /// A set of the material library that a material is made of.
+  struct LibrarySet {
+    std::string set, file, hash;
+    bool verified = false;
+    std::vector<std::string> overridden;  // paths of what the input gave in place of the set's values
+  };
   struct Timer {  // [s] over ranks
     double min = 0.0, mean = 0.0, max = 0.0;
   };
@@ -92,6 +98,7 @@ struct Summary {
   std::map<std::string, Part> parts;
   std::map<std::string, double> measures;  // NaN where there is nothing to measure
   std::map<std::string, std::string> not_measured;  // why
+  std::map<std::string, LibrarySet> library;  // by material
   std::vector<std::string> warnings;  // of the check before the first step, then of the whole run
   std::map<std::string, Timer> timers;
   std::vector<Rebalance> rebalances;

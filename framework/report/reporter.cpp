@@ -40,6 +40,16 @@ void remove_what_is_stale(const ReportSettings& settings) {
   remove_if_there(previous_restart(newest));
 }
 
+/// The materials with all sets of the library written out: an input that holds this block instead gives the same run,
+/// also when the library has changed.
+void write_materials(const std::string& path, const ModelInput& input) {
+  if (input.materials_text.empty())
+    remove_if_there(path);
+  else
+    replace_file(
+        path, "# Materials of this run, with the sets of the material library written out.\n" + input.materials_text);
+}
+
 double seconds_now() { return MPI_Wtime(); }
 
 }  // namespace
@@ -61,6 +71,7 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
     resume(settings.folder + "/");
   else
     start_anew(settings.folder + "/");
+  on_root(model.comm, [&] { write_materials(settings.folder + "/materials.yaml", input); });
   simulation.observe(*this);
   start_seconds_ = seconds_now();
   print(fmt::format("{} elements, {} nodes, {} rank{}; first stable step {:.4g} s\n", model.n_elements, model.n_nodes,

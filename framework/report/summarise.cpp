@@ -233,6 +233,8 @@ Summary Reporter::summarise(const std::string& exit) {
   s.input = settings_.input_name;
   s.title = model.input->title;
   s.precision = model.input->precision;
+  for (const LibraryUse& use : model.input->library_uses)
+    s.library[use.material] = {use.set, use.file, use.hash, use.verified, use.overridden};
   s.ranks = model.n_ranks();
   s.cycles = simulation_.clock().cycle();
   s.end_time = simulation_.clock().time();

@@ -1,0 +1,202 @@
+// Samples of laws and blocks of points for them.
+#include "support/sample_laws.hpp"
+
+#include <algorithm>
+
+#include "core/units.hpp"
+#include "input/curve_table.hpp"
+#include "input/yaml_reader.hpp"
+#include "support/make_law.hpp"
+
+namespace kerf::test {
+
+namespace {
+
+const Node& samples() {
+  static const Node root = [] {
+    std::string failure;
+    const std::string path = std::string(KERF_SOURCE_DIR) + "/tests/data/sample_laws.yaml";
+    const std::string text = read_text_file(path, failure);
+    Diagnostics diagnostics;
+    Node read = read_yaml(path, text, diagnostics).value_or(Node{});
+    diagnostics.throw_if_errors();
+    return read;
+  }();
+  return root;
+}
+
+/// The parameters of a sample, and in `beside` what else its material has.
+Node sample_of(const std::string& kind, const std::string& name, Node& beside) {
+  const Entry* of_kind = samples().find(kind);
+  const Entry* entry = of_kind ? of_kind->value.find(name) : nullptr;
+  if (!entry)
+    throw std::runtime_error("the " + kind + " " + name + " has no sample; give it one in tests/data/sample_laws.yaml");
+  Node parameters = entry->value;
+  if (const Entry* found = parameters.find("beside")) beside = found->value;
+  std::erase_if(parameters.entries, [](const Entry& e) { return e.key == "beside"; });
+  return parameters;
+}
+
+/// A value that a law may find in a variable of another law.
+double likely_value(const std::string& variable, double u) {
+  if (variable.find("temperature") != std::string::npos) return 300.0 + 900.0 * u;
+  if (variable.find("rate") != std::string::npos) return 1e5 * u;
+  return u;
+}
+
+/// Where a criterion that softens writes what is left of pressures in compression, if its batch has that.
+template <class Batch>
+void set_compression(Batch& batch, double* row) {
+  if constexpr (requires { batch.compression; }) batch.compression = row;
+}
+
+}  // namespace
+
+SampleLaw::SampleLaw(const std::string& kind, const std::string& name) {
+  Node beside;
+  const Node parameters = sample_of(kind, name, beside);
+  if (const Entry* density = beside.find("density")) density_ = to_si(density->value.text, "kg/m3").value;
+  const std::string text = parameters.entries.empty() ? "{}" : yaml_text(parameters);
+  law_ = make_law<Law>(kind, name, text);
+  material_ = dynamic_cast<const Material*>(law_.get());
+  eos_ = dynamic_cast<const Eos*>(law_.get());
+  solid_ = dynamic_cast<const Solid*>(law_.get());
+  criterion_ = dynamic_cast<const ErosionCriterion*>(law_.get());
+  if (n_state() > LawBlock<double>::most_state || law_->reads().size() > LawBlock<double>::most_reads)
+    throw std::runtime_error(name + " keeps or reads more variables than LawBlock has rows; raise most_state there");
+}
+
+template <class Real>
+LawBlock<Real> SampleLaw::start(std::mt19937& random) const {
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  LawBlock<Real> b;
+  std::vector<double> state;
+  for (const StateVariable& v : law_->state_variables()) state.push_back(v.initial);
+  state.push_back(0.0);  // never empty
+  const std::vector<ReadVariable> reads = law_->reads();
+  for (int l = 0; l < lane_width; ++l) {
+    for (int d = 0; d < 3; ++d) b.place[d][l] = 0.01 * u(random);
+    for (int d = 0; d < 9; ++d) b.rotation[d][l] = d % 4 == 0 ? 1.0 : 0.0;
+    b.lengths[0][l] = b.lengths[1][l] = 1e-3 * (0.5 + u(random));
+    std::vector<double> of_lane = state;
+    law_->initialise({{b.place[0][l], b.place[1][l], b.place[2][l]}, b.lengths[1][l], density_}, of_lane.data());
+    for (int v = 0; v < n_state(); ++v) b.state[v][l] = of_lane[static_cast<std::size_t>(v)];
+    for (std::size_t r = 0; r < reads.size(); ++r) b.reads[r][l] = likely_value(reads[r].name, u(random));
+  }
+  shake(b, random);
+  return b;
+}
+
+template <class Real>
+void SampleLaw::shake(LawBlock<Real>& b, std::mt19937& random) const {
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (int l = 0; l < lane_width; ++l) {
+    const double amount = std::pow(10.0, -4.0 + 2.5 * u(random));  // 3e-7 to 0.03: elastic to far beyond yield
+    for (int i = 0; i < 6; ++i) b.strain[i][l] = static_cast<Real>(amount * u(random));
+    b.rest[0][l] = static_cast<Real>(density_ * (1.0 + 0.05 * u(random)));
+    b.rest[1][l] = static_cast<Real>(1e5 * (1.0 + u(random)));
+    if (solid_ == nullptr) b.rest[2][l] = static_cast<Real>(1e9 * u(random));
+    if (criterion_ != nullptr)
+      for (int i = 0; i < 6; ++i) b.deviator[i][l] = static_cast<Real>(1e9 * u(random));
+  }
+}
+
+template <class Real>
+void SampleLaw::fill(LawRows& rows, LawBlock<Real>& b,
+                     std::array<const double*, LawBlock<Real>::most_reads>& reads) const {
+  for (int r = 0; r < LawBlock<Real>::most_reads; ++r) reads[static_cast<std::size_t>(r)] = b.reads[r];
+  rows.dt = 1e-7;
+  rows.time = 2e-6;
+  rows.length = b.lengths[0];
+  rows.initial_length = b.lengths[1];
+  rows.reference_position = b.place;
+  rows.rotation = b.rotation;
+  rows.reads = reads.data();
+}
+
+template <>
+void SampleLaw::apply(LawBlock<float>& b) const {
+  SingleMaterialBatch m;
+  std::array<const double*, LawBlock<float>::most_reads> reads;
+  fill(m, b, reads);
+  m.reference_density = density_;
+  m.strain_increment = b.strain;
+  m.density = b.rest[0];
+  m.specific_energy = b.rest[1];
+  m.pressure = b.rest[2];
+  m.deviator = b.deviator;
+  m.state = b.state[0];
+  m.shear_modulus = b.outputs[0];
+  material_->update_single(m);
+}
+
+template <>
+void SampleLaw::apply(LawBlock<double>& b) const {
+  std::array<const double*, LawBlock<double>::most_reads> reads;
+  const auto common = [&](auto& batch) {
+    fill(batch, b, reads);
+    batch.state = b.state[0];
+  };
+  if (material_ != nullptr) {
+    MaterialBatch m;
+    common(m);
+    m.reference_density = density_;
+    m.strain_increment = b.strain;
+    m.density = b.rest[0];
+    m.specific_energy = b.rest[1];
+    m.pressure = b.rest[2];
+    m.deviator = b.deviator;
+    m.shear_modulus = b.outputs[0];
+    material_->update(m);
+  } else if (solid_ != nullptr) {
+    SolidBatch m;
+    common(m);
+    m.reference_density = density_;
+    m.strain_increment = b.strain;
+    m.density = b.rest[0];
+    m.specific_energy = b.rest[1];
+    m.pressure = b.rest[2];
+    m.deviator = b.deviator;
+    m.shear_modulus = b.outputs[0];
+    m.bulk_modulus = b.outputs[1];
+    solid_->update(m);
+  } else if (eos_ != nullptr) {
+    EosBatch e;
+    common(e);
+    e.reference_density = density_;
+    e.density = b.rest[0];
+    e.specific_energy = b.rest[1];
+    e.new_state = b.state[0];
+    e.pressure = b.outputs[0];
+    e.bulk_modulus = b.outputs[1];
+    eos_->evaluate(e);
+  } else {
+    ErosionBatch e;
+    common(e);
+    alignas(64) double ratio[lane_width], volume[lane_width], time_step[lane_width];
+    for (int l = 0; l < lane_width; ++l) {
+      ratio[l] = b.rest[0][l] / density_;
+      volume[l] = 1.0 / ratio[l];
+      time_step[l] = 1e-7;
+    }
+    e.stress = b.deviator;
+    e.strain_increment = b.strain;
+    e.pressure = b.rest[2];
+    e.density_ratio = ratio;
+    e.volume_ratio = volume;
+    e.time_step = time_step;
+    e.value = b.outputs[0];
+    e.failed = b.outputs[1];
+    e.strength = b.outputs[2];
+    e.tension = b.outputs[3];
+    set_compression(e, b.outputs[4]);
+    criterion_->judge(e);
+  }
+}
+
+template LawBlock<double> SampleLaw::start(std::mt19937&) const;
+template LawBlock<float> SampleLaw::start(std::mt19937&) const;
+template void SampleLaw::shake(LawBlock<double>&, std::mt19937&) const;
+template void SampleLaw::shake(LawBlock<float>&, std::mt19937&) const;
+
+}  // namespace kerf::test
