@@ -18,6 +18,10 @@ struct Quantity {
 /// dimension, which takes no unit. Throws std::runtime_error where the unit database cannot be read.
 Quantity to_si(std::string_view text, const std::string& si_unit);
 
+/// Converts a number with a unit of any kind of quantity that Kerf knows: to Pa, m, s, kg, K, rad and what is made of
+/// them. Throws std::runtime_error where the unit database cannot be read.
+Quantity to_si_of_any_kind(double number, const std::string& unit);
+
 /// Reads a whole text as a finite decimal number; no octal, no unit, nothing trailing.
 bool parse_number(std::string_view text, double& value);
 

@@ -22,6 +22,7 @@ namespace kerf {
 
 class Curve;
 class Description;
+class Expression;
 
 /// Base of everything that an input file can create by name.
 struct Plugin {
@@ -70,6 +71,8 @@ enum class ValueKind {
   plugin_list,  // list of plugins
   plugin_map,  // map from a user's name to a plugin
   curve,  // name of a curve in `curves`
+  expression,  // a formula of the variables in `choices`, or of any where that is empty
+  expressions,  // list of formulas
 };
 
 /// One key that may stand in a block of the input.
@@ -99,6 +102,7 @@ struct Parameter {
   std::function<void*(void* target, const std::string& key)> open_block;
   std::function<void(void* target, const std::string& key, std::unique_ptr<Plugin>)> set_plugin;
   std::function<void(void* target, const Curve*)> set_curve;
+  std::function<void(void* target, std::vector<Expression>)> set_expressions;  // also expression (one)
 };
 
 /// A quantity that a law keeps per point; the framework allocates, migrates, restarts and writes it.
@@ -340,6 +344,28 @@ class Schema {
   ParameterHandle curve(const Curve* Owner::*member, std::string name, std::string doc) {
     Parameter& p = add(ValueKind::curve, std::move(name), "-", std::move(doc));
     p.set_curve = [member](void* t, const Curve* c) { static_cast<T*>(t)->*member = c; };
+    return ParameterHandle(p);
+  }
+
+  /// A formula in the variables of this list, or, where it is empty, in whatever variables it names; see
+  /// kerf/expression.hpp, which the caller includes. `unit` is the SI unit of its value.
+  template <class Owner>
+  ParameterHandle expression(Expression Owner::*member, std::string name, std::string unit,
+                             std::vector<std::string> variables, std::string doc) {
+    Parameter& p = add(ValueKind::expression, std::move(name), std::move(unit), std::move(doc));
+    p.choices = std::move(variables);
+    p.set_expressions = [member](void* t, std::vector<Expression> e) {
+      static_cast<T*>(t)->*member = std::move(e.front());
+    };
+    return ParameterHandle(p);
+  }
+  /// A list of formulas, of any length.
+  template <class Owner>
+  ParameterHandle expressions(std::vector<Expression> Owner::*member, std::string name, std::string unit,
+                              std::vector<std::string> variables, std::string doc) {
+    Parameter& p = add(ValueKind::expressions, std::move(name), std::move(unit), std::move(doc));
+    p.choices = std::move(variables);
+    p.set_expressions = [member](void* t, std::vector<Expression> e) { static_cast<T*>(t)->*member = std::move(e); };
     return ParameterHandle(p);
   }
 
