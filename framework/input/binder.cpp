@@ -332,14 +332,12 @@ void Binder::bind_expressions(const Parameter& p, const Node& node, void* target
     const Entry* entry = parameters_->find(name);
     return entry && entry->value.is_scalar() ? &entry->value.text : nullptr;
   };
-  std::vector<Expression> made;
   for (const Node& item : is_list ? node.items : std::vector<Node>{node}) {
     if (!item.is_scalar()) return mismatch(p, item);
     ReadExpression read = read_expression(item.text, p.choices, parameter);
     if (!read.ok()) return diagnostics_.error(item.origin, fmt::format("`{}`: {}", p.name, read.error));
-    made.push_back(std::move(read.expression));
+    *static_cast<Expression*>(p.open_block(target, "")) = std::move(read.expression);
   }
-  p.set_expressions(target, std::move(made));
 }
 
 const Description* Binder::plugin_type(const Parameter& p, const Node& node, const Origin& where) {

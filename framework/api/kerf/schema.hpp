@@ -98,11 +98,10 @@ struct Parameter {
   std::function<void(void* target, std::vector<std::int64_t>)> set_integers;
   std::function<void(void* target, std::vector<std::string>)> set_texts;
   std::function<void(void* target, const std::string& key, std::string)> set_named_text;
-  /// Address of the nested object to fill; `key` is the user's name in a block_map, else empty.
+  /// Address of the nested object to fill, or of the Expression; `key` is the user's name in a block_map, else empty.
   std::function<void*(void* target, const std::string& key)> open_block;
   std::function<void(void* target, const std::string& key, std::unique_ptr<Plugin>)> set_plugin;
   std::function<void(void* target, const Curve*)> set_curve;
-  std::function<void(void* target, std::vector<Expression>)> set_expressions;  // also expression (one)
 };
 
 /// A quantity that a law keeps per point; the framework allocates, migrates, restarts and writes it.
@@ -354,9 +353,7 @@ class Schema {
                              std::vector<std::string> variables, std::string doc) {
     Parameter& p = add(ValueKind::expression, std::move(name), std::move(unit), std::move(doc));
     p.choices = std::move(variables);
-    p.set_expressions = [member](void* t, std::vector<Expression> e) {
-      static_cast<T*>(t)->*member = std::move(e.front());
-    };
+    p.open_block = [member](void* t, const std::string&) -> void* { return &(static_cast<T*>(t)->*member); };
     return ParameterHandle(p);
   }
   /// A list of formulas, of any length.
@@ -365,7 +362,9 @@ class Schema {
                               std::vector<std::string> variables, std::string doc) {
     Parameter& p = add(ValueKind::expressions, std::move(name), std::move(unit), std::move(doc));
     p.choices = std::move(variables);
-    p.set_expressions = [member](void* t, std::vector<Expression> e) { static_cast<T*>(t)->*member = std::move(e); };
+    p.open_block = [member](void* t, const std::string&) -> void* {
+      return &(static_cast<T*>(t)->*member).emplace_back();
+    };
     return ParameterHandle(p);
   }
 
