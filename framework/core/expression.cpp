@@ -1,489 +1,328 @@
-// Parsing by descent, the check of dimensions, and the stack machine.
+// Reads formulas of the input, by recursive descent, into instructions for a stack.
+//
+// From loosest to tightest: `or`; `and`; `not`; one comparison (< <= > >= == !=); + and -; * and /; the sign; ^, which
+// binds to the right (2^3^2 = 2^9, -x^2 = -(x^2)). Further: parentheses; numbers, with a unit where one follows ("2
+// GPa", "300 m/s", converted to SI); `pi`; `$name` for a parameter of the input; names of variables, which are in SI
+// units; and the functions of the table below. Dimensions are not checked.
 #include "core/expression.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cmath>
-#include <utility>
 
-#include "core/assert.hpp"
+#include "core/diagnostics.hpp"
+#include "core/units.hpp"
 
 namespace kerf {
-
 namespace {
 
-bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+using Op = Expression::Op;
+
+struct Function {
+  const char* name;
+  Op op;
+  int n_arguments;  // of min and max: at least this many
+};
+
+constexpr Function functions[] = {
+    {"sqrt", Op::sqrt, 1},   {"exp", Op::exp, 1},   {"log", Op::log, 1},     {"log10", Op::log10, 1},
+    {"min", Op::min, 2},     {"max", Op::max, 2},   {"abs", Op::abs, 1},     {"sign", Op::sign, 1},
+    {"sin", Op::sin, 1},     {"cos", Op::cos, 1},   {"tan", Op::tan, 1},     {"asin", Op::asin, 1},
+    {"acos", Op::acos, 1},   {"atan", Op::atan, 1}, {"atan2", Op::atan2, 2}, {"tanh", Op::tanh, 1},
+    {"hypot", Op::hypot, 2}, {"if", Op::choose, 3},
+};
+
+// Of parentheses, signs and powers within each other: more is no formula that a person wrote.
+constexpr int most_nested = 100;
+
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+// Units have letters beyond ASCII as well (a micro sign).
+bool is_unit_letter(char c) { return is_letter(c) || (static_cast<unsigned char>(c) & 0x80) != 0; }
+
+/// Thrown within the reader only.
+struct Refusal {
+  std::string sentence;
+};
+
+class Reader {
+ public:
+  Reader(std::string_view text, const std::vector<std::string>& variables, const ParameterText& parameter)
+      : text_(text), parameter_(parameter), variables_(variables), open_(variables.empty()) {}
+
+  ReadExpression read() {
+    try {
+      any_of_several();
+      if (peek() != '\0') unexpected("an operator or the end");
+    } catch (const Refusal& refusal) {
+      return {{}, refusal.sentence};
+    }
+    return {Expression(std::string(text_), variables_, program_), {}};
+  }
+
+ private:
+  [[noreturn]] void refuse(std::size_t at, const std::string& what) const {
+    throw Refusal{fmt::format("\"{}\", character {}: {}", text_, at + 1, what)};
+  }
+  [[noreturn]] void unexpected(const std::string& expected) {
+    const char c = peek();
+    refuse(at_, c == '\0' ? fmt::format("the formula ends too early; expected {}", expected)
+                          : fmt::format("unexpected `{}`; expected {}", token(), expected));
+  }
+  /// What stands at the place, for a message.
+  std::string token() const {
+    std::size_t end = at_;
+    while (end < text_.size() && (is_unit_letter(text_[end]) || is_digit(text_[end]))) ++end;
+    return std::string(text_.substr(at_, std::max<std::size_t>(1, end - at_)));
+  }
+  /// The next character that is no space; 0 at the end.
+  char peek() {
+    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
+    return at_ < text_.size() ? text_[at_] : '\0';
+  }
+  bool take(std::string_view symbol) {
+    peek();
+    if (text_.substr(at_, symbol.size()) != symbol) return false;
+    at_ += symbol.size();
+    return true;
+  }
+  void expect(char c, const char* what) {
+    if (peek() != c) unexpected(what);
+    ++at_;
+  }
+  /// The name at the place; empty where there is none.
+  std::string_view word() {
+    if (!is_letter(peek())) return {};
+    std::size_t end = at_;
+    while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) ++end;
+    return text_.substr(at_, end - at_);
+  }
+  bool take_word(std::string_view wanted) {
+    if (word() != wanted) return false;
+    at_ += wanted.size();
+    return true;
+  }
+
+  void emit(Op op, int n_taken) { add({op, 0, 0.0}, 1 - n_taken); }
+  void emit_number(double value) { add({Op::number, 0, value}, 1); }
+  void add(const Expression::Instruction& i, int growth) {
+    program_.push_back(i);
+    depth_ += growth;
+    if (depth_ > Expression::most_depth)
+      refuse(at_, "the formula is nested too deeply; write long sums and products from left to right");
+  }
+  /// Counts how deeply calls are nested, so that no text can exhaust the stack.
+  struct Nested {
+    explicit Nested(Reader& r) : reader(r) {
+      if (++reader.nested_ > most_nested) reader.refuse(reader.at_, "the formula is nested too deeply");
+    }
+    ~Nested() { --reader.nested_; }
+    Nested(const Nested&) = delete;
+    Nested& operator=(const Nested&) = delete;
+    Reader& reader;
+  };
+
+  void any_of_several() {
+    all_of_several();
+    while (take_word("or")) {
+      all_of_several();
+      emit(Op::either, 2);
+    }
+  }
+  void all_of_several() {
+    condition();
+    while (take_word("and")) {
+      condition();
+      emit(Op::both, 2);
+    }
+  }
+  void condition() {
+    const Nested nested(*this);
+    if (take_word("not")) {
+      condition();
+      return emit(Op::opposite, 1);
+    }
+    sum();
+    Op op = Op::equal;
+    if (!take_comparison(op)) return;
+    sum();
+    emit(op, 2);
+    const std::size_t here = at_;
+    if (take_comparison(op)) refuse(here, "comparisons do not chain; write `a < b and b < c`");
+  }
+  bool take_comparison(Op& op) {
+    static constexpr std::pair<std::string_view, Op> signs[] = {{"<=", Op::at_most}, {">=", Op::at_least},
+                                                                {"==", Op::equal},   {"!=", Op::unequal},
+                                                                {"<", Op::less},     {">", Op::greater}};
+    for (const auto& [sign, meaning] : signs)
+      if (take(sign)) {
+        op = meaning;
+        return true;
+      }
+    if (peek() == '=') refuse(at_, "`=` compares nothing; write `==`");
+    return false;
+  }
+  void sum() {
+    product();
+    for (;;) {
+      const char c = peek();
+      if (c != '+' && c != '-') return;
+      ++at_;
+      product();
+      emit(c == '+' ? Op::add : Op::subtract, 2);
+    }
+  }
+  void product() {
+    signed_power();
+    for (;;) {
+      const char c = peek();
+      if (c != '*' && c != '/') return;
+      if (text_.substr(at_, 2) == "**") refuse(at_, "`**` is no operator; write `^` for a power");
+      ++at_;
+      signed_power();
+      emit(c == '*' ? Op::multiply : Op::divide, 2);
+    }
+  }
+  void signed_power() {
+    const Nested nested(*this);
+    const char c = peek();
+    if (c == '+' || c == '-') {
+      ++at_;
+      signed_power();
+      if (c == '-') emit(Op::negate, 1);
+      return;
+    }
+    operand();
+    if (peek() != '^') return;
+    ++at_;
+    signed_power();
+    emit(Op::power, 2);
+  }
+  void operand() {
+    const char c = peek();
+    if (c == '(') {
+      ++at_;
+      any_of_several();
+      return expect(')', "`)`");
+    }
+    if (is_digit(c) || c == '.') return number();
+    if (c == '$') return parameter();
+    if (is_letter(c)) return name();
+    unexpected("a number, a name or `(`");
+  }
+  void number() {
+    const std::size_t length = number_length(text_.substr(at_)), start = at_;
+    double value = 0.0;
+    if (length == 0 || !parse_number(text_.substr(at_, length), value))
+      refuse(at_, fmt::format("`{}` is no number that fits double precision", token()));
+    at_ += length;
+    const std::string unit = unit_here();
+    if (unit.empty()) return emit_number(value);
+    const Quantity q = to_si_of_any_kind(value, unit);
+    if (!q.ok()) refuse(start, fmt::format("{}; write `*` between a number and a name", q.error));
+    emit_number(q.value);
+  }
+  /// The unit after a number: names joined by `/` without spaces, each with digits as its power ("kg/m3").
+  std::string unit_here() {
+    std::size_t end = at_;
+    while (end < text_.size() && text_[end] == ' ') ++end;
+    const std::size_t start = end;
+    const auto names = [&] {
+      while (end < text_.size() && is_unit_letter(text_[end])) ++end;
+      while (end < text_.size() && is_digit(text_[end])) ++end;
+    };
+    if (start == text_.size() || !is_unit_letter(text_[start])) return {};
+    names();
+    const std::string_view first = text_.substr(start, end - start);
+    if (first == "and" || first == "or") return {};
+    while (end + 1 < text_.size() && text_[end] == '/' && is_unit_letter(text_[end + 1])) {
+      ++end;
+      names();
+    }
+    at_ = end;
+    return std::string(text_.substr(start, end - start));
+  }
+  void parameter() {
+    const std::size_t start = at_++;
+    const std::string name(at_ < text_.size() && is_letter(text_[at_]) ? word() : std::string_view());
+    const std::string* value = parameter_ && !name.empty() ? parameter_(name) : nullptr;
+    if (!value) refuse(start, fmt::format("there is no parameter \"{}\"; declare it in the block `parameters`", name));
+    at_ += name.size();
+    // Its text is one number, with a unit where it has one.
+    const std::string_view text = trimmed(*value);
+    const std::size_t length = number_length(text);
+    double number = 0.0;
+    if (length == 0 || !parse_number(text.substr(0, length), number))
+      refuse(start, fmt::format("the parameter ${} is \"{}\"; expected a number", name, *value));
+    const std::string unit(trimmed(text.substr(length)));
+    if (unit.empty()) return emit_number(number);
+    const Quantity q = to_si_of_any_kind(number, unit);
+    if (!q.ok()) refuse(start, fmt::format("the parameter ${}: {}", name, q.error));
+    emit_number(q.value);
+  }
+  void name() {
+    const std::size_t start = at_;
+    const std::string name(word());
+    at_ += name.size();
+    if (name == "and" || name == "or" || name == "not")
+      refuse(start, fmt::format("unexpected `{}`; expected a number, a name or `(`", name));
+    if (peek() == '(') return call(name, start);
+    if (name == "pi") return emit_number(3.14159265358979323846);
+    auto it = std::find(variables_.begin(), variables_.end(), name);
+    if (it == variables_.end()) {
+      if (!open_) refuse(start, unknown(name));
+      it = variables_.insert(variables_.end(), name);
+    }
+    add({Op::variable, static_cast<int>(it - variables_.begin()), 0.0}, 1);
+  }
+  std::string unknown(const std::string& name) const {
+    std::string list;
+    for (const std::string& v : variables_) list += (list.empty() ? "" : ", ") + v;
+    const std::string near = nearest_name(name, variables_);
+    return fmt::format("there is no variable `{}`{}; the variables are {}", name,
+                       near.empty() ? "" : ", did you mean " + near + "?", list);
+  }
+  void call(const std::string& name, std::size_t start) {
+    const auto* f = std::find_if(std::begin(functions), std::end(functions),
+                                 [&](const Function& each) { return name == each.name; });
+    if (f == std::end(functions)) {
+      std::vector<std::string> names;
+      for (const Function& each : functions) names.emplace_back(each.name);
+      const std::string near = nearest_name(name, names);
+      refuse(start, fmt::format("there is no function `{}`; {}", name,
+                                near.empty() ? fmt::format("the functions are {}", fmt::join(names, ", "))
+                                             : "did you mean " + near + "?"));
+    }
+    const bool folds = f->op == Op::min || f->op == Op::max;
+    ++at_;
+    int n = 0;
+    do {
+      any_of_several();
+      ++n;
+      if (folds && n > 1) emit(f->op, 2);
+    } while (take(","));
+    expect(')', "`,` or `)`");
+    if (folds ? n < 2 : n != f->n_arguments)
+      refuse(start, fmt::format("{} takes {}{} argument{}, not {}", name, folds ? "at least " : "", f->n_arguments,
+                                f->n_arguments == 1 ? "" : "s", n));
+    if (!folds) emit(f->op, n);
+  }
+
+  std::string_view text_;
+  const ParameterText& parameter_;
+  std::vector<std::string> variables_;
+  const bool open_;  // any name is a variable
+  std::vector<Expression::Instruction> program_;
+  std::size_t at_ = 0;
+  int depth_ = 0, nested_ = 0;
+};
 
 }  // namespace
 
-class ExpressionParser {
- public:
-  ExpressionParser(const std::string& text, Expression& out) : text_(text), out_(out) {}
-
-  void parse() {
-    try {
-      alternatives();
-      if (next() != '\0') fail("expected an operator or the end");
-      check_depth();
-    } catch (const Expression::Fault& fault) {
-      out_.syntax_ = fault;
-      out_.program_.clear();
-      out_.variables_.clear();
-    }
-  }
-
- private:
-  using Op = Expression::Op;
-
-  [[noreturn]] void fail(const std::string& expected) const { throw Expression::Fault{at_, expected}; }
-  char peek(int ahead = 0) const {
-    const auto i = static_cast<std::size_t>(at_ + ahead);
-    return i < text_.size() ? text_[i] : '\0';
-  }
-  char next() {
-    while (peek() == ' ' || peek() == '\t' || peek() == '\n') ++at_;
-    return peek();
-  }
-  bool take(std::string_view symbol) {
-    next();
-    if (text_.compare(static_cast<std::size_t>(at_), symbol.size(), symbol) != 0) return false;
-    at_ += static_cast<int>(symbol.size());
-    return true;
-  }
-  bool take_word(std::string_view word) {
-    next();
-    const auto after = static_cast<int>(word.size());
-    if (text_.compare(static_cast<std::size_t>(at_), word.size(), word) != 0) return false;
-    if (is_letter(peek(after)) || is_digit(peek(after))) return false;
-    at_ += after;
-    return true;
-  }
-  void emit(Op op, int offset) {
-    Expression::Instruction i;
-    i.op = op;
-    i.offset = offset;
-    out_.program_.push_back(i);
-  }
-  template <class Operand>
-  void chain(std::initializer_list<std::pair<const char*, Op>> operators, bool words, const Operand& operand) {
-    operand();
-    for (bool again = true; again;) {
-      again = false;
-      for (const auto& [symbol, op] : operators) {
-        next();
-        const int offset = at_;
-        if (!(words ? take_word(symbol) : take(symbol))) continue;
-        operand();
-        emit(op, offset);
-        again = true;
-        break;
-      }
-    }
-  }
-
-  void alternatives() {
-    if (++nested_ > 100) fail("expected fewer nested parentheses");
-    chain({{"or", Op::logical_or}}, true, [this] { conjunction(); });
-    --nested_;
-  }
-  void conjunction() {
-    chain({{"and", Op::logical_and}}, true, [this] { negation(); });
-  }
-  void negation() {
-    next();
-    const int offset = at_;
-    if (!take_word("not")) return comparison();
-    if (++nested_ > 100) fail("expected fewer nots");
-    negation();
-    --nested_;
-    emit(Op::logical_not, offset);
-  }
-  void comparison() {
-    sum();
-    next();
-    const int offset = at_;
-    for (const auto& [symbol, op] : std::initializer_list<std::pair<const char*, Op>>{{"<=", Op::less_equal},
-                                                                                      {">=", Op::greater_equal},
-                                                                                      {"==", Op::equal},
-                                                                                      {"!=", Op::not_equal},
-                                                                                      {"<", Op::less},
-                                                                                      {">", Op::greater}}) {
-      if (!take(symbol)) continue;
-      sum();
-      emit(op, offset);
-      next();
-      if (peek() == '<' || peek() == '>' || peek() == '=') fail("expected `and` between two comparisons");
-      return;
-    }
-  }
-  void sum() {
-    chain({{"+", Op::add}, {"-", Op::subtract}}, false, [this] { product(); });
-  }
-  void product() {
-    chain({{"*", Op::multiply}, {"/", Op::divide}}, false, [this] { signed_value(); });
-  }
-  void signed_value() {
-    next();
-    const int offset = at_;
-    if (take("-")) {
-      if (++nested_ > 100) fail("expected fewer signs");
-      signed_value();
-      --nested_;
-      return emit(Op::negate, offset);
-    }
-    power();
-  }
-  void power() {
-    value();
-    next();
-    const int offset = at_;
-    if (!take("^")) return;
-    signed_value();
-    emit(Op::power, offset);
-  }
-  void value() {
-    const char c = next();
-    if (take("(")) {
-      alternatives();
-      if (!take(")")) fail("expected a closing parenthesis");
-      return;
-    }
-    if (is_digit(c) || (c == '.' && is_digit(peek(1)))) return number();
-    if (is_letter(c)) return name();
-    fail(c == '\0' ? "expected a value before the end" : "expected a number, a name or a parenthesis");
-  }
-
-  void number() {
-    Expression::Instruction i;
-    i.offset = at_;
-    const std::string_view rest = std::string_view(text_).substr(static_cast<std::size_t>(at_));
-    const std::size_t length = number_length(rest);
-    if (length == 0 || !parse_number(rest.substr(0, length), i.value)) fail("expected a number");
-    at_ += static_cast<int>(length);
-    const int end = at_;
-    next();
-    const bool reciprocal = peek() == '1' && peek(1) == '/' && is_letter(peek(2));
-    const bool is_unit = reciprocal || (is_letter(peek()) && !is_word());
-    if (!is_unit) {
-      at_ = end;
-      out_.program_.push_back(i);
-      return;
-    }
-    read_unit(i, reciprocal);
-    out_.program_.push_back(i);
-  }
-  /// Whether "and" or "or" follows, which are no units.
-  bool is_word() const {
-    for (const std::string_view word : {"and", "or", "not"}) {
-      const auto n = static_cast<int>(word.size());
-      if (text_.compare(static_cast<std::size_t>(at_), word.size(), word) == 0 && !is_letter(peek(n)) &&
-          !is_digit(peek(n)))
-        return true;
-    }
-    return false;
-  }
-  /// A unit has no spaces in it; "/" and "." belong to it where a letter follows at once.
-  void read_unit(Expression::Instruction& i, bool reciprocal) {
-    const int from = at_;
-    if (reciprocal) at_ += 2;
-    while (is_letter(peek()) || is_digit(peek()) || ((peek() == '/' || peek() == '.') && is_letter(peek(1)))) ++at_;
-    const std::string unit = text_.substr(static_cast<std::size_t>(from), static_cast<std::size_t>(at_ - from));
-    const auto base = unit_in_base(unit);
-    if (!base) {
-      at_ = from;
-      fail(fmt::format("\"{}\" is no unit, or has a shifted zero; expected a unit such as GPa, m/s or K", unit));
-    }
-    i.value *= base->factor;
-    i.has_unit = true;
-    i.dimension = base->exponents;
-  }
-
-  void name() {
-    const int offset = at_;
-    while (is_letter(peek()) || is_digit(peek())) ++at_;
-    const std::string found = text_.substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(at_ - offset));
-    if (found == "and" || found == "or") {
-      at_ = offset;
-      fail(fmt::format("expected a value before \"{}\"", found));
-    }
-    if (take("(")) return call(found, offset);
-    auto known = std::find_if(out_.variables_.begin(), out_.variables_.end(),
-                              [&](const Expression::Variable& v) { return v.name == found; });
-    if (known == out_.variables_.end()) known = out_.variables_.insert(known, {found, offset});
-    emit(Op::variable, offset);
-    out_.program_.back().variable = static_cast<int>(known - out_.variables_.begin());
-  }
-  void call(const std::string& name, int offset) {
-    static const std::pair<const char*, Op> of_one[] = {
-        {"abs", Op::abs}, {"sqrt", Op::sqrt}, {"exp", Op::exp}, {"log", Op::log}};
-    static const std::pair<const char*, Op> of_two[] = {{"min", Op::min}, {"max", Op::max}};
-    alternatives();
-    for (const auto& [known, op] : of_one)
-      if (name == known) {
-        if (!take(")")) fail("expected a closing parenthesis");
-        return emit(op, offset);
-      }
-    for (const auto& [known, op] : of_two)
-      if (name == known) {
-        if (!take(",")) fail("expected a comma and a second value");
-        alternatives();
-        if (!take(")")) fail("expected a closing parenthesis");
-        return emit(op, offset);
-      }
-    at_ = offset;
-    fail(fmt::format("there is no function \"{}\"; the functions are abs, sqrt, exp, log, min and max", name));
-  }
-
-  void check_depth() {
-    int depth = 0;
-    for (const Expression::Instruction& i : out_.program_) {
-      depth += i.op <= Op::variable ? 1 : i.op <= Op::logical_not ? 0 : -1;
-      at_ = i.offset;
-      if (depth > Expression::most_depth) fail("expected fewer values that wait for each other; use less parentheses");
-    }
-  }
-
-  const std::string& text_;
-  Expression& out_;
-  int at_ = 0, nested_ = 0;
-};
-
-/// Runs the program with dimensions in place of values.
-class DimensionCheck {
- public:
-  DimensionCheck(const Expression& expression, std::vector<std::optional<Dimension>> variables)
-      : expression_(expression), variables_(std::move(variables)) {}
-
-  std::vector<Expression::Fault> run() {
-    for (const Expression::Instruction& i : expression_.program_) step(i);
-    if (stack_.back().kind != Kind::condition)
-      fault(0, "expected a condition, such as \"damage > 0.9\", and this is a number");
-    return std::move(faults_);
-  }
-
- private:
-  using Op = Expression::Op;
-  // A number without a unit goes with any dimension, and so does what has been complained of.
-  enum class Kind { condition, quantity, any };
-  struct Value {
-    Kind kind = Kind::any;
-    Dimension dimension{};
-    std::optional<double> number = {};  // where it stands in the text
-  };
-
-  void fault(int offset, std::string sentence) { faults_.push_back({offset, std::move(sentence)}); }
-  Value pop() {
-    const Value v = stack_.back();
-    stack_.pop_back();
-    return v;
-  }
-  Value pop_number(int offset) {
-    Value v = pop();
-    if (v.kind == Kind::condition) {
-      fault(offset, "expected numbers at this operator, and one side is a condition");
-      v.kind = Kind::any;
-    }
-    return v;
-  }
-  void need_condition(const Value& v, int offset) {
-    if (v.kind == Kind::quantity) fault(offset, "expected conditions at this operator, and one side is a number");
-  }
-  static std::string text(const Dimension& d) {
-    static const char* const names[] = {"m", "kg", "s", "A", "K", "mol", "cd"};
-    std::string all;
-    for (std::size_t k = 0; k < d.size(); ++k)
-      if (d[k] != 0.0)
-        all += fmt::format("{}{}{}", all.empty() ? "" : " ", names[k], d[k] == 1.0 ? "" : fmt::format("{}", d[k]));
-    return all.empty() ? "no unit" : all;
-  }
-  Value agreed(const Value& a, const Value& b, int offset) {
-    if (a.kind == Kind::any) return {b.kind, b.dimension, {}};
-    if (b.kind == Kind::any) return {a.kind, a.dimension, {}};
-    if (a.dimension != b.dimension)
-      fault(offset, fmt::format("the sides of this operator have different dimensions, {} and {}; expected the same",
-                                text(a.dimension), text(b.dimension)));
-    return {Kind::quantity, a.dimension, {}};
-  }
-  void need_no_dimension(const Value& v, int offset, const char* what) {
-    if (v.kind == Kind::quantity && v.dimension != Dimension{})
-      fault(offset, fmt::format("{} takes a number without unit, and this has {}", what, text(v.dimension)));
-  }
-
-  void step(const Expression::Instruction& i) {
-    const int at = i.offset;
-    switch (i.op) {
-      case Op::number:
-        return stack_.push_back(i.has_unit ? Value{Kind::quantity, i.dimension, {}} : Value{Kind::any, {}, i.value});
-      case Op::variable: {
-        const auto& d = variables_[static_cast<std::size_t>(i.variable)];
-        return stack_.push_back(d ? Value{Kind::quantity, *d, {}} : Value{});
-      }
-      case Op::logical_not:
-        need_condition(stack_.back(), at);
-        stack_.back() = {Kind::condition, {}, {}};
-        return;
-      case Op::negate:
-      case Op::abs: {
-        Value v = pop_number(at);
-        if (v.number) v.number = i.op == Op::abs ? std::fabs(*v.number) : -*v.number;
-        return stack_.push_back(v);
-      }
-      case Op::sqrt: {
-        Value v = pop_number(at);
-        for (double& e : v.dimension) e *= 0.5;
-        v.number.reset();
-        return stack_.push_back(v);
-      }
-      case Op::exp:
-      case Op::log:
-        need_no_dimension(pop_number(at), at, i.op == Op::exp ? "exp" : "log");
-        return stack_.push_back({Kind::quantity, {}, {}});
-      default:
-        return of_two(i);
-    }
-  }
-  void of_two(const Expression::Instruction& i) {
-    if (i.op == Op::logical_and || i.op == Op::logical_or) {
-      need_condition(pop(), i.offset);
-      need_condition(pop(), i.offset);
-      return stack_.push_back({Kind::condition, {}, {}});
-    }
-    const Value b = pop_number(i.offset), a = pop_number(i.offset);
-    if (i.op == Op::power) return stack_.push_back(raised(a, b, i.offset));
-    if (i.op == Op::multiply || i.op == Op::divide) {
-      Value v{a.kind == Kind::any && b.kind == Kind::any ? Kind::any : Kind::quantity, a.dimension, {}};
-      for (std::size_t k = 0; k < v.dimension.size(); ++k)
-        v.dimension[k] += i.op == Op::multiply ? b.dimension[k] : -b.dimension[k];
-      return stack_.push_back(v);
-    }
-    const Value v = agreed(a, b, i.offset);
-    const bool compares = i.op >= Op::less;
-    stack_.push_back(compares ? Value{Kind::condition, {}, {}} : v);
-  }
-  Value raised(const Value& a, const Value& b, int offset) {
-    need_no_dimension(b, offset, "an exponent");
-    if (a.kind == Kind::any) return {};
-    if (a.dimension != Dimension{} && !b.number) {
-      fault(offset, "a quantity with a unit is raised to a power that is not written as a number");
-      return {};
-    }
-    Value v{Kind::quantity, a.dimension, {}};
-    for (double& e : v.dimension) e *= b.number.value_or(1.0);
-    return v;
-  }
-
-  const Expression& expression_;
-  std::vector<std::optional<Dimension>> variables_;
-  std::vector<Value> stack_;
-  std::vector<Expression::Fault> faults_;
-};
-
-Expression::Expression(const std::string& text) { ExpressionParser(text, *this).parse(); }
-
-std::vector<Expression::Fault> Expression::faults(
-    const std::function<std::optional<std::string>(const std::string&)>& unit_of) const {
-  if (syntax_) return {*syntax_};
-  if (program_.empty()) return {{0, "expected a condition, such as \"damage > 0.9\""}};
-  std::vector<std::optional<Dimension>> dimensions;
-  for (const Variable& v : variables_) {
-    const auto unit = unit_of(v.name);
-    const auto base = unit ? unit_in_base(*unit) : std::nullopt;
-    dimensions.push_back(base ? std::optional(base->exponents) : std::nullopt);
-  }
-  return DimensionCheck(*this, std::move(dimensions)).run();
-}
-
-void Expression::evaluate(const double* const* rows, double (&out)[lane_width]) const {
-  KERF_ASSERT(!program_.empty(), "only expressions that can be read are evaluated");
-  alignas(64) double stack[most_depth][lane_width];
-  int top = -1;
-  const auto one = [&](const auto& work) {
-    double(&a)[lane_width] = stack[top];
-    for (int l = 0; l < lane_width; ++l) a[l] = work(a[l]);
-  };
-  const auto two = [&](const auto& work) {
-    double(&a)[lane_width] = stack[top - 1];
-    const double(&b)[lane_width] = stack[top];
-    for (int l = 0; l < lane_width; ++l) a[l] = work(a[l], b[l]);
-    --top;
-  };
-  const auto holds = [](bool condition) { return select(condition, 1.0, 0.0); };
-  for (const Instruction& i : program_) switch (i.op) {
-      case Op::number:
-        std::fill_n(stack[++top], lane_width, i.value);
-        break;
-      case Op::variable:
-        std::copy_n(rows[i.variable], lane_width, stack[++top]);
-        break;
-      case Op::negate:
-        one([](double a) { return -a; });
-        break;
-      case Op::abs:
-        one([](double a) { return std::fabs(a); });
-        break;
-      case Op::sqrt:
-        one([](double a) { return std::sqrt(a); });
-        break;
-      case Op::exp:
-        one([](double a) { return kerf::exp(a); });
-        break;
-      case Op::log:
-        one([](double a) { return kerf::log(a); });
-        break;
-      case Op::logical_not:
-        one([](double a) { return 1.0 - a; });
-        break;
-      case Op::add:
-        two([](double a, double b) { return a + b; });
-        break;
-      case Op::subtract:
-        two([](double a, double b) { return a - b; });
-        break;
-      case Op::multiply:
-        two([](double a, double b) { return a * b; });
-        break;
-      case Op::divide:
-        two([](double a, double b) { return a / b; });
-        break;
-      case Op::power:
-        two([](double a, double b) { return kerf::pow(a, b); });
-        break;
-      case Op::min:
-        two([](double a, double b) { return min_of(a, b); });
-        break;
-      case Op::max:
-        two([](double a, double b) { return max_of(a, b); });
-        break;
-      case Op::less:
-        two([&](double a, double b) { return holds(a < b); });
-        break;
-      case Op::less_equal:
-        two([&](double a, double b) { return holds(a <= b); });
-        break;
-      case Op::greater:
-        two([&](double a, double b) { return holds(a > b); });
-        break;
-      case Op::greater_equal:
-        two([&](double a, double b) { return holds(a >= b); });
-        break;
-      case Op::equal:
-        two([&](double a, double b) { return holds(a == b); });
-        break;
-      case Op::not_equal:
-        two([&](double a, double b) { return holds(a != b); });
-        break;
-      case Op::logical_and:
-        two([](double a, double b) { return a * b; });
-        break;
-      case Op::logical_or:
-        two([](double a, double b) { return max_of(a, b); });
-        break;
-    }
-  std::copy_n(stack[0], lane_width, out);
+ReadExpression read_expression(std::string_view text, const std::vector<std::string>& variables,
+                               const ParameterText& parameter) {
+  return Reader(text, variables, parameter).read();
 }
 
 }  // namespace kerf

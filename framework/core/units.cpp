@@ -211,6 +211,17 @@ Quantity to_si(std::string_view text, const std::string& si_unit) {
   return converted(text, number, unit, si_unit);
 }
 
+Quantity to_si_of_any_kind(double number, const std::string& unit) {
+  const std::string text = fmt::format("{} {}", number, unit);
+  const Unit from(ut_parse(unit_system(), unit.c_str(), UT_UTF8));
+  if (!from || !may_start_unit(unit)) return {0.0, fmt::format("\"{}\" has the unknown unit \"{}\"", text, unit)};
+  for (const auto& [si_unit, name] : quantities) {
+    const Unit to(ut_parse(unit_system(), std::string(si_unit).c_str(), UT_UTF8));
+    if (ut_are_convertible(from.get(), to.get())) return converted(text, number, unit, std::string(si_unit));
+  }
+  return {0.0, fmt::format("\"{}\" has a unit of no quantity that Kerf knows", text)};
+}
+
 std::string quantity_name(const std::string& si_unit) {
   if (si_unit == "-" || si_unit.empty()) return "a number without unit";
   for (const auto& [unit, name] : quantities)

@@ -31,6 +31,10 @@ struct UnitInBase {
 /// Nothing where `unit` is unknown, or where its zero is shifted, as that of degC. "-" is the number 1.
 std::optional<UnitInBase> unit_in_base(const std::string& unit);
 
+/// Converts a number with a unit of any kind of quantity that Kerf knows: to Pa, m, s, kg, K, rad and what is made of
+/// them. Throws std::runtime_error where the unit database cannot be read.
+Quantity to_si_of_any_kind(double number, const std::string& unit);
+
 /// Reads a whole text as a finite decimal number; no octal, no unit, nothing trailing.
 bool parse_number(std::string_view text, double& value);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/expression.hpp"
 #include "core/units.hpp"
 #include "input/curve_table.hpp"
 #include "input/number_list.hpp"
@@ -132,6 +133,9 @@ void Binder::bind_parameter(const Parameter& p, const Node& node, void* target, 
       return bind_plugin(p, node, target, "", path, where);
     case ValueKind::curve:
       return bind_curve(p, node, target);
+    case ValueKind::expression:
+    case ValueKind::expressions:
+      return bind_expressions(p, node, target);
   }
 }
 
@@ -318,6 +322,22 @@ void Binder::bind_curve(const Parameter& p, const Node& node, void* target) {
   diagnostics_.error(node.origin, fmt::format("there is no curve \"{}\"{}", node.text,
                                               names.empty() ? "; declare it in the block `curves`"
                                                             : suggestion(node.text, names, "the curves")));
+}
+
+void Binder::bind_expressions(const Parameter& p, const Node& node, void* target) {
+  const bool is_list = p.kind == ValueKind::expressions;
+  if (is_list ? !node.is_list() : !node.is_scalar()) return mismatch(p, node);
+  const ParameterText parameter = [this](const std::string& name) -> const std::string* {
+    if (!parameters_) return nullptr;
+    const Entry* entry = parameters_->find(name);
+    return entry && entry->value.is_scalar() ? &entry->value.text : nullptr;
+  };
+  for (const Node& item : is_list ? node.items : std::vector<Node>{node}) {
+    if (!item.is_scalar()) return mismatch(p, item);
+    ReadExpression read = read_expression(item.text, p.choices, parameter);
+    if (!read.ok()) return diagnostics_.error(item.origin, fmt::format("`{}`: {}", p.name, read.error));
+    *static_cast<Expression*>(p.open_block(target, "")) = std::move(read.expression);
+  }
 }
 
 const Description* Binder::plugin_type(const Parameter& p, const Node& node, const Origin& where) {

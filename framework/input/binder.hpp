@@ -13,9 +13,11 @@ class CurveTable;
 
 class Binder {
  public:
-  /// `curves` has the curves that the input may name; null where it has none.
-  Binder(const Registry& registry, Diagnostics& diagnostics, OriginMap& origins, CurveTable* curves = nullptr)
-      : registry_(registry), diagnostics_(diagnostics), origins_(origins), curves_(curves) {}
+  /// `curves` has the curves that the input may name, `parameters` the block of the parameters that its formulas may
+  /// name; null where it has none.
+  Binder(const Registry& registry, Diagnostics& diagnostics, OriginMap& origins, CurveTable* curves = nullptr,
+         const Node* parameters = nullptr)
+      : registry_(registry), diagnostics_(diagnostics), origins_(origins), curves_(curves), parameters_(parameters) {}
 
   /// Fills `target`, which `description` describes, from a map. `path` is what the block is called in the input
   /// ("parts.rod"), empty for the whole; `where` is the place of its key.
@@ -38,6 +40,7 @@ class Binder {
   void bind_plugin(const Parameter& p, const Node& node, void* target, const std::string& key, const std::string& path,
                    const Origin& where);
   void bind_curve(const Parameter& p, const Node& node, void* target);
+  void bind_expressions(const Parameter& p, const Node& node, void* target);
   const Description* plugin_type(const Parameter& p, const Node& node, const Origin& where);
   /// Returns the names that unknown keys were probably meant to be.
   std::vector<std::string> check_keys(const Description& description, const Node& node, bool is_plugin);
@@ -52,6 +55,7 @@ class Binder {
   Diagnostics& diagnostics_;
   OriginMap& origins_;
   CurveTable* curves_;
+  const Node* parameters_;
 };
 
 }  // namespace kerf

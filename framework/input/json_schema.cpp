@@ -92,6 +92,10 @@ Json value_schema(const Parameter& p) {
       return map_of(plugin_reference(p));
     case ValueKind::curve:
       return or_parameter({{"type", "string"}, {"pattern", name_pattern}});
+    case ValueKind::expression:
+      return {{"type", {"string", "number"}}};
+    case ValueKind::expressions:
+      return list_of({{"type", {"string", "number"}}});
   }
   return {};
 }

@@ -11,6 +11,10 @@ namespace {
 
 std::string in_unit(const std::string& unit) { return unit == "-" || unit.empty() ? "" : " in " + unit; }
 
+std::string of_variables(const std::vector<std::string>& names) {
+  return names.empty() ? "" : " of " + listed(names, " and ");
+}
+
 }  // namespace
 
 std::string listed(const std::vector<std::string>& names, const std::string& last) {
@@ -74,6 +78,10 @@ std::string expectation(const Parameter& p) {
       return "a map from names to maps with `type:` (`kerf list " + p.plugin_kind + "` shows the types)";
     case ValueKind::curve:
       return "the name of a curve in `curves`";
+    case ValueKind::expression:
+      return "a formula" + of_variables(p.choices) + in_unit(p.unit);
+    case ValueKind::expressions:
+      return "a list of formulas" + of_variables(p.choices) + in_unit(p.unit);
   }
   return {};
 }
@@ -114,6 +122,10 @@ std::string kind_text(const Parameter& p) {
       return p.plugin_kind + " by name";
     case ValueKind::curve:
       return "name of a curve";
+    case ValueKind::expression:
+      return "formula" + of_variables(p.choices);
+    case ValueKind::expressions:
+      return "list of formulas" + of_variables(p.choices);
   }
   return {};
 }

@@ -1,9 +1,11 @@
 // Reads the text of an input file into a model.
 #include "input/read_model.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "input/binder.hpp"
 #include "input/substitute.hpp"
@@ -13,6 +15,14 @@
 namespace kerf {
 
 namespace {
+
+/// Whether a formula names a parameter.
+bool names_a_parameter_within(const Node& node) {
+  const auto of_entry = [](const Entry& e) { return e.key != "parameters" && names_a_parameter_within(e.value); };
+  return node.text.find('$') != std::string::npos ||
+         std::any_of(node.items.begin(), node.items.end(), names_a_parameter_within) ||
+         std::any_of(node.entries.begin(), node.entries.end(), of_entry);
+}
 
 /// Whether an entry means the same as leaving its key out. Restart files from before the key existed still match then.
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
@@ -33,6 +43,9 @@ std::string physics_digest(const Node& root, const std::vector<std::string>& fil
       }
   for (const std::string& text : files)
     if (!text.empty()) hash.add(text);
+  // Formulas keep the names of parameters.
+  if (const Entry* parameters = root.find("parameters"); parameters && names_a_parameter_within(root))
+    hash.add(parameters->value);
   return std::to_string(hash.value());
 }
 
@@ -65,7 +78,8 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
   if (!model->library_uses.empty()) model->materials_text = yaml_text(materials_of(*root));
   origins.add("", top);
   CurveTable curves(model->curves, folder, read, origins, diagnostics);
-  Binder(registry, diagnostics, origins, &curves)
+  const Entry* parameters = std::as_const(*root).find("parameters");
+  Binder(registry, diagnostics, origins, &curves, parameters ? &parameters->value : nullptr)
       .bind_block(Schema<ModelInput>::described<ModelInput>(), *root, model.get(), "", top);
   for (std::size_t k = 0; k < model->joined.size(); ++k)
     model->joined[k]->origin = origins.find("joined[" + std::to_string(k) + "].parts").text();

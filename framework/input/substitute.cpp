@@ -29,7 +29,11 @@ void replace(Node& node, const std::vector<Entry>& values, const Names& names, D
 
 }  // namespace
 
-bool names_a_parameter(const Node& node) { return node.is_scalar() && !node.text.empty() && node.text[0] == '$'; }
+// "$a * x" is a formula, which finds its parameters itself.
+bool names_a_parameter(const Node& node) {
+  return node.is_scalar() && !node.text.empty() && node.text[0] == '$' &&
+         node.text.find_first_of(" +-*/^()<>=!,") == std::string::npos;
+}
 
 void substitute_parameters(Node& root, Diagnostics& diagnostics) {
   std::vector<Entry> values;

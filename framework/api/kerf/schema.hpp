@@ -22,6 +22,7 @@ namespace kerf {
 
 class Curve;
 class Description;
+class Expression;
 
 /// Base of everything that an input file can create by name.
 struct Plugin {
@@ -70,6 +71,8 @@ enum class ValueKind {
   plugin_list,  // list of plugins
   plugin_map,  // map from a user's name to a plugin
   curve,  // name of a curve in `curves`
+  expression,  // a formula of the variables in `choices`, or of any where that is empty
+  expressions,  // list of formulas
 };
 
 /// One key that may stand in a block of the input.
@@ -95,7 +98,7 @@ struct Parameter {
   std::function<void(void* target, std::vector<std::int64_t>)> set_integers;
   std::function<void(void* target, std::vector<std::string>)> set_texts;
   std::function<void(void* target, const std::string& key, std::string)> set_named_text;
-  /// Address of the nested object to fill; `key` is the user's name in a block_map, else empty.
+  /// Address of the nested object to fill, or of the Expression; `key` is the user's name in a block_map, else empty.
   std::function<void*(void* target, const std::string& key)> open_block;
   std::function<void(void* target, const std::string& key, std::unique_ptr<Plugin>)> set_plugin;
   std::function<void(void* target, const Curve*)> set_curve;
@@ -340,6 +343,28 @@ class Schema {
   ParameterHandle curve(const Curve* Owner::*member, std::string name, std::string doc) {
     Parameter& p = add(ValueKind::curve, std::move(name), "-", std::move(doc));
     p.set_curve = [member](void* t, const Curve* c) { static_cast<T*>(t)->*member = c; };
+    return ParameterHandle(p);
+  }
+
+  /// A formula in the variables of this list, or, where it is empty, in whatever variables it names; see
+  /// kerf/expression.hpp, which the caller includes. `unit` is the SI unit of its value.
+  template <class Owner>
+  ParameterHandle expression(Expression Owner::*member, std::string name, std::string unit,
+                             std::vector<std::string> variables, std::string doc) {
+    Parameter& p = add(ValueKind::expression, std::move(name), std::move(unit), std::move(doc));
+    p.choices = std::move(variables);
+    p.open_block = [member](void* t, const std::string&) -> void* { return &(static_cast<T*>(t)->*member); };
+    return ParameterHandle(p);
+  }
+  /// A list of formulas, of any length.
+  template <class Owner>
+  ParameterHandle expressions(std::vector<Expression> Owner::*member, std::string name, std::string unit,
+                              std::vector<std::string> variables, std::string doc) {
+    Parameter& p = add(ValueKind::expressions, std::move(name), std::move(unit), std::move(doc));
+    p.choices = std::move(variables);
+    p.open_block = [member](void* t, const std::string&) -> void* {
+      return &(static_cast<T*>(t)->*member).emplace_back();
+    };
     return ParameterHandle(p);
   }
 
