@@ -255,7 +255,7 @@ class ExpressionParser {
 /// Runs the program with dimensions in place of values.
 class DimensionCheck {
  public:
-  DimensionCheck(const Condition& expression, std::vector<std::optional<Dimension>> variables)
+  DimensionCheck(const Condition& expression, std::vector<std::optional<BaseExponents>> variables)
       : expression_(expression), variables_(std::move(variables)) {}
 
   std::vector<Condition::Fault> run() {
@@ -271,7 +271,7 @@ class DimensionCheck {
   enum class Kind { condition, quantity, any };
   struct Value {
     Kind kind = Kind::any;
-    Dimension dimension{};
+    BaseExponents dimension{};
     std::optional<double> number = {};  // where it stands in the text
   };
 
@@ -292,7 +292,7 @@ class DimensionCheck {
   void need_condition(const Value& v, int offset) {
     if (v.kind == Kind::quantity) fault(offset, "expected conditions at this operator, and one side is a number");
   }
-  static std::string text(const Dimension& d) {
+  static std::string text(const BaseExponents& d) {
     static const char* const names[] = {"m", "kg", "s", "A", "K", "mol", "cd"};
     std::string all;
     for (std::size_t k = 0; k < d.size(); ++k)
@@ -309,7 +309,7 @@ class DimensionCheck {
     return {Kind::quantity, a.dimension, {}};
   }
   void need_no_dimension(const Value& v, int offset, const char* what) {
-    if (v.kind == Kind::quantity && v.dimension != Dimension{})
+    if (v.kind == Kind::quantity && v.dimension != BaseExponents{})
       fault(offset, fmt::format("{} takes a number without unit, and this has {}", what, text(v.dimension)));
   }
 
@@ -367,7 +367,7 @@ class DimensionCheck {
   Value raised(const Value& a, const Value& b, int offset) {
     need_no_dimension(b, offset, "an exponent");
     if (a.kind == Kind::any) return {};
-    if (a.dimension != Dimension{} && !b.number) {
+    if (a.dimension != BaseExponents{} && !b.number) {
       fault(offset, "a quantity with a unit is raised to a power that is not written as a number");
       return {};
     }
@@ -377,7 +377,7 @@ class DimensionCheck {
   }
 
   const Condition& expression_;
-  std::vector<std::optional<Dimension>> variables_;
+  std::vector<std::optional<BaseExponents>> variables_;
   std::vector<Value> stack_;
   std::vector<Condition::Fault> faults_;
 };
@@ -388,7 +388,7 @@ std::vector<Condition::Fault> Condition::faults(
     const std::function<std::optional<std::string>(const std::string&)>& unit_of) const {
   if (syntax_) return {*syntax_};
   if (program_.empty()) return {{0, "expected a condition, such as \"damage > 0.9\""}};
-  std::vector<std::optional<Dimension>> dimensions;
+  std::vector<std::optional<BaseExponents>> dimensions;
   for (const Variable& v : variables_) {
     const auto unit = unit_of(v.name);
     const auto base = unit ? unit_in_base(*unit) : std::nullopt;

@@ -73,7 +73,7 @@ class Condition {
     double value = 0.0;  // of a number, in SI units
     int variable = 0;  // which
     bool has_unit = false;
-    Dimension dimension{};  // of a number with a unit
+    BaseExponents dimension{};  // of a number with a unit
   };
   static constexpr int most_depth = 32;  // of the stack
   friend class ExpressionParser;
