@@ -72,7 +72,7 @@ struct DruckerPrager final : Solid, CompactionTable {
         .within(non_negative);
   }
 
-  double cost() const override { return 1.5; }
+  double cost() const override { return 6.0; }
 
   void update(const SolidBatch& b) const override {
     alignas(64) double x[lane_width], pressure[lane_width], bulk[lane_width], out[6][lane_width];

@@ -72,6 +72,8 @@ struct HolmquistJohnsonCook final : PointwiseSolid<HolmquistJohnsonCook> {
     s.state(&State::plastic_mu, "plastic_mu", "-", 0.0, "mu that is left at no pressure").within(non_negative);
   }
 
+  double cost() const override { return 9.0; }
+
   void update_point(const SolidInput& in, SymTensor& stress, State& state, SolidModuli& moduli) const {
     const double mu = in.density / in.reference_density - 1.0;
     const double strain = equivalent_strain(deviator(in.strain_increment));

@@ -56,6 +56,8 @@ struct JohnsonHolmquist2 final : PointwiseSolid<JohnsonHolmquist2> {
         .within(non_negative);
   }
 
+  double cost() const override { return 6.0; }
+
   void update_point(const SolidInput& in, SymTensor& stress, State& state, SolidModuli& moduli) const {
     const double mu = in.density / in.reference_density - 1.0;
     const double rate = equivalent_strain(deviator(in.strain_increment)) / (in.dt * reference_rate + tiny<double>);
