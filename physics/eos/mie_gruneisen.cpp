@@ -75,7 +75,8 @@ struct MieGruneisen final : Eos, TensionLimit {
     const double left = 1.0 - (s + (s2 + s3 * within) * within) * within, kept = max_of(left, least_room);
     const double room = 1.0 / kept;
     const double hugoniot = stiffness * eta * room * room;
-    const double steepness = select((left > least_room) & (eta <= end), rise(eta), kept);
+    const bool is_held = !((left > least_room) & (eta <= end));
+    const double steepness = select(is_held, kept, rise(eta));
     const double hugoniot_slope = stiffness * steepness * room * room * room;  // d pH / d eta
     const double thermal = b * (energy - 0.5 * eta * hugoniot);
     const double compressed = hugoniot * (1.0 - 0.5 * g * eta) + g * energy;
@@ -84,7 +85,8 @@ struct MieGruneisen final : Eos, TensionLimit {
     const bool tension = mu < 0.0;
     const double p = select(tension, stiffness * mu + g * energy, compressed);
     const double slope = select(tension, ratio * (stiffness + b * energy), compressed_slope);
-    return {limited(p), max_of(0.0, slope + g * p / ratio)};
+    // Cold states beyond the end would let the pressure fall on the isentrope; the solid stays as stiff as it began.
+    return {limited(p), max_of(select(is_held, stiffness, 0.0), slope + g * p / ratio)};
   }
 
   /// d pH / d eta over rho0 c0^2, times the third power of the denominator 1 - s eta - s2 eta^2 - s3 eta^3.
