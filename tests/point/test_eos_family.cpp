@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "support/curves.hpp"
 #include "support/eos_point.hpp"
 #include "support/points.hpp"
 
@@ -72,6 +73,25 @@ TEST(EveryEos, starts_without_pressure_and_never_has_a_negative_modulus) {
         EXPECT_TRUE(std::isfinite(out.pressure)) << c.law << " " << ratio << " " << e;
         EXPECT_TRUE(out.bulk_modulus >= 0.0 && std::isfinite(out.bulk_modulus)) << c.law << " " << ratio << " " << e;
       }
+  }
+}
+
+/// Error of the energy at the end of the isentrope of a file, with `factor` times the usual steps.
+double isentrope_error(const std::string& file, double factor) {
+  const kerf::test::FinerSteps finer(factor);
+  const kerf::test::Oracle oracle(file);
+  for (const auto& r : kerf::test::family_of(oracle)->check(oracle))
+    if (r.column == "specific_energy_J_kg") return r.error;
+  return 0.0;
+}
+
+TEST(EveryEos, converges_with_second_order_along_isentropes) {
+  for (const char* file : {"eos_gruneisen_cubic_lead_isentrope", "eos_tillotson_basalt_isentrope",
+                           "eos_stiffened_water_isentrope", "eos_ideal_air_isentrope"}) {
+    // A quarter with half the step; steps between rows are whole numbers, which makes it 0.257 for one.
+    const double ratio = isentrope_error(file, 1.0) / isentrope_error(file, 0.5);
+    EXPECT_GT(ratio, 0.23) << file;
+    EXPECT_LT(ratio, 0.27) << file;
   }
 }
 

@@ -79,3 +79,23 @@ def test_shock_has_the_velocity_and_the_pressure_of_the_hugoniot(kerf, density, 
     assert np.ptp(plateau) < 2 * TOLERANCE * pressure
     # Steps of the usual safety factor, with a shock that heats: a per cent of the energy of the plate.
     assert abs(run.summary["energy"]["balance_error"]) < 1e-2
+
+
+def test_gas_accounts_for_the_energy_it_starts_with(kerf):
+    """A gas that flows out of a pipe, as a law of its own and as a polynomial: the same flow, and the same balance."""
+    density, p, gamma = 1.2, 1e5, 1.4
+    laws = ({"type": "ideal_gas", "gamma": gamma, "initial_pressure": p},
+            {"type": "stiffened_gas", "gamma": gamma, "stiffness": 0, "initial_pressure": p},
+            {"type": "linear_polynomial", "C4": gamma - 1.0, "C5": gamma - 1.0, "initial_energy": p / (gamma - 1.0)})
+    runs = [kerf(impact(density, law, 0.0, 8e-6)) for law in laws]
+    energies = [run.summary["energy"] for run in runs]
+    volume = LENGTH**3 / CELLS**2
+    assert energies[0]["initial"] == pytest.approx(p / (gamma - 1.0) * volume, rel=1e-6)
+    assert energies[0]["kinetic"] > 0.01 * energies[0]["initial"]
+    pressures = [run.results.cell("pressure", -1) for run in runs]
+    for energy, pressure in zip(energies[1:], pressures[1:]):
+        assert energy["initial"] == pytest.approx(energies[0]["initial"], rel=1e-12)
+        # Round-off of different orders of operations, over some thousand steps.
+        assert energy["kinetic"] == pytest.approx(energies[0]["kinetic"], rel=1e-9)
+        assert np.abs(pressure - pressures[0]).max() < 1e-9 * p
+    assert abs(energies[0]["balance_error"]) < 1e-2
