@@ -37,7 +37,18 @@ const std::map<std::string, std::string> solids = {
 const std::map<std::string, std::string> equations = {
     {"linear", "{bulk_modulus: 160e9}"},
     {"linear_polynomial", "{C1: 160e9, C2: 1e9, C3: 3e9, C4: 1.9, C5: 0.3, C6: 0.1}"},
-    {"mie_gruneisen", "{c0: 4570, s: 1.49, gamma0: 1.93, gamma_slope: 0.5}"},
+    {"logarithmic", "{bulk_modulus: 160e9}"},
+    {"mie_gruneisen", "{c0: 4570, s: 1.49, s2: 0.5, s3: -1.6, gamma0: 1.93, gamma_slope: 0.5}"},
+    {"ideal_gas", "{gamma: 1.4, initial_pressure: 1e9}"},
+    {"stiffened_gas", "{gamma: 4.4, stiffness: 36e9, initial_pressure: 1e5}"},
+    {"tillotson",
+     "{a: 0.5, b: 1.5, A: 128e9, B: 105e9, E0: 9.5e6, alpha: 5, beta: 5, incipient_vaporisation_energy: 5e4, "
+     "complete_vaporisation_energy: 1.5e5}"},
+    {"murnaghan", "{bulk_modulus: 160e9, pressure_derivative: 5}"},
+    {"birch_murnaghan", "{bulk_modulus: 160e9, pressure_derivative: 5}"},
+    {"tabulated_compaction",
+     "{compactions: [0, 0.02, 0.05], pressures: [0, 1e9, 5e9], unloading_moduli: [160e9, 170e9, 180e9], gamma: 1.5, "
+     "thermal_factors: [1, 1.1, 1.2]}"},
     {"jwl",
      "{A: 371e9, B: 3.2e9, R1: 4.15, R2: 0.95, omega: 0.3, initial_energy: 7e9, detonation_velocity: 6930, "
      "cj_pressure: "
