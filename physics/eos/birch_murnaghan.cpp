@@ -23,14 +23,14 @@ struct BirchMurnaghan final : PointwiseEos<BirchMurnaghan>, TensionLimit {
   bool uses_energy() const override { return false; }
 
   EosOutput evaluate_point(const EosInput& in, const State&) const {
-    const double x = in.density / in.reference_density, third = positive_log(x) / 3.0;
+    const double x = in.density / in.reference_density, third = kerf::log(x) / 3.0;
     const double two_thirds = kerf::exp(2.0 * third), strain = kerf::expm1(2.0 * third);  // x^(2/3), less one
     const double five_thirds = x * two_thirds, bend = 0.75 * (slope - 4.0);
     const double p = 1.5 * K * five_thirds * strain * (1.0 + bend * strain);
     // x dp/dx, term by term.
     const double modulus =
         0.5 * K * five_thirds * ((7.0 * two_thirds - 5.0) * (1.0 + bend * strain) + 2.0 * bend * strain * two_thirds);
-    return {limited(p), max_of(modulus, 0.0)};
+    return {limited(p), max_of(0.0, modulus)};
   }
 };
 

@@ -32,7 +32,7 @@ struct IdealGas final : PointwiseEos<IdealGas> {
     const double at_start = select(initial_energy >= 0.0, initial_energy, initial_pressure / (gamma - 1.0));
     const double ratio = in.density / in.reference_density;
     const double E = in.reference_density * in.specific_energy + at_start;
-    const double p = max_of((gamma - 1.0) * ratio * E, 0.0);
+    const double p = max_of(0.0, (gamma - 1.0) * ratio * E);
     return {p, gamma * p};
   }
 };

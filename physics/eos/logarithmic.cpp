@@ -1,4 +1,4 @@
-// Logarithmic equation of state: pressure proportional to the logarithmic volumetric strain.
+// Logarithmic equation of state: linear in the logarithmic (Hencky) strain of the volume.
 //
 // Source: H. Hencky, "Ueber die Form des Elastizitaetsgesetzes bei ideal elastischen Stoffen", Z. Techn. Phys. 9 (1928)
 // 215-220.
@@ -9,7 +9,7 @@ namespace {
 
 using namespace kerf;
 
-/// p = -K ln V with V = rho0/rho, not below the tension limit. It does not depend on the energy.
+/// p = -K ln V with V = rho0/rho, not below the tension limit. The modulus is the same at all densities.
 struct Logarithmic final : PointwiseEos<Logarithmic>, TensionLimit {
   double K = 0.0;  // [Pa]
   using State = NoVariables;
@@ -21,7 +21,7 @@ struct Logarithmic final : PointwiseEos<Logarithmic>, TensionLimit {
   bool uses_energy() const override { return false; }
 
   EosOutput evaluate_point(const EosInput& in, const State&) const {
-    return {limited(K * positive_log(in.density / in.reference_density)), K};
+    return {limited(K * kerf::log(in.density / in.reference_density)), K};
   }
 };
 

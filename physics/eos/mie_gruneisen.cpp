@@ -15,7 +15,9 @@ using namespace kerf;
 /// p = pH (1 - g eta/2) + rho0 g e with eta = 1 - rho0/rho, g = gamma0 + b mu, mu = rho/rho0 - 1, and the Hugoniot
 /// pH = rho0 c0^2 eta / (1 - s eta - s2 eta^2 - s3 eta^3)^2 of us = c0 + s up + s2 up^2/us + s3 up^3/us^2. In tension
 /// p = rho0 c0^2 mu + rho0 g e. The energy rho0 e includes that at the start.
-struct MieGruneisen final : PointwiseEos<MieGruneisen>, TensionLimit {
+///
+/// A law for blocks rather than points: where the Hugoniot ends is computed once for all points of a block.
+struct MieGruneisen final : Eos, TensionLimit {
   double c0 = 0.0;  // [m/s]
   double s = 0.0, s2 = 0.0, s3 = 0.0, gamma0 = 0.0, b = 0.0;  // [-]
   double initial_energy = 0.0;  // [J/m3]
@@ -41,17 +43,40 @@ struct MieGruneisen final : PointwiseEos<MieGruneisen>, TensionLimit {
   }
   double initial_energy_density() const override { return initial_energy; }
 
-  EosOutput evaluate_point(const EosInput& in, const State&) const {
-    const double rho0 = in.reference_density, ratio = in.density / rho0, mu = ratio - 1.0;
-    const double stiffness = rho0 * c0 * c0, energy = rho0 * in.specific_energy + initial_energy;
+  void evaluate(const EosBatch& b) const override {
+    alignas(64) double density[lane_width], energy[lane_width], pressure[lane_width], modulus[lane_width];
+    for (int l = 0; l < lane_width; ++l) {
+      density[l] = b.density[l];
+      energy[l] = b.specific_energy[l];
+    }
+    const double rho0 = b.reference_density, end = last_monotone();
+#pragma omp simd
+    for (int l = 0; l < lane_width; ++l) {
+      const EosOutput out = at_point(density[l], energy[l], rho0, end);
+      pressure[l] = out.pressure;
+      modulus[l] = out.bulk_modulus;
+    }
+    for (int l = 0; l < lane_width; ++l) {
+      b.pressure[l] = pressure[l];
+      b.bulk_modulus[l] = modulus[l];
+    }
+  }
+
+ private:
+  static constexpr double least_room = 0.02;
+
+  [[gnu::always_inline]] EosOutput at_point(double density, double specific_energy, double rho0, double end) const {
+    const double ratio = density / rho0, mu = ratio - 1.0;
+    const double stiffness = rho0 * c0 * c0, energy = rho0 * specific_energy + initial_energy;
     const double g = gamma0 + b * mu;
     // The Hugoniot ends where the denominator vanishes or the pressure would fall; from there on the denominator is
     // held, so that the pressure stays finite and rises.
-    const double eta = max_of(mu / ratio, 0.0), end = last_monotone(), within = min_of(eta, end);
+    const double eta = max_of(mu / ratio, 0.0), within = min_of(eta, end);
     const double left = 1.0 - (s + (s2 + s3 * within) * within) * within, kept = max_of(left, least_room);
     const double room = 1.0 / kept;
     const double hugoniot = stiffness * eta * room * room;
-    const double steepness = select((left > least_room) & (eta <= end), rise(eta), kept);
+    const bool is_held = !((left > least_room) & (eta <= end));
+    const double steepness = select(is_held, kept, rise(eta));
     const double hugoniot_slope = stiffness * steepness * room * room * room;  // d pH / d eta
     const double thermal = b * (energy - 0.5 * eta * hugoniot);
     const double compressed = hugoniot * (1.0 - 0.5 * g * eta) + g * energy;
@@ -60,11 +85,9 @@ struct MieGruneisen final : PointwiseEos<MieGruneisen>, TensionLimit {
     const bool tension = mu < 0.0;
     const double p = select(tension, stiffness * mu + g * energy, compressed);
     const double slope = select(tension, ratio * (stiffness + b * energy), compressed_slope);
-    return {limited(p), max_of(0.0, slope + g * p / ratio)};
+    // Cold states beyond the end would let the pressure fall on the isentrope; the solid stays as stiff as it began.
+    return {limited(p), max_of(select(is_held, stiffness, 0.0), slope + g * p / ratio)};
   }
-
- private:
-  static constexpr double least_room = 0.02;
 
   /// d pH / d eta over rho0 c0^2, times the third power of the denominator 1 - s eta - s2 eta^2 - s3 eta^3.
   double rise(double eta) const { return 1.0 + (s + (3.0 * s2 + 5.0 * s3 * eta) * eta) * eta; }
@@ -74,6 +97,7 @@ struct MieGruneisen final : PointwiseEos<MieGruneisen>, TensionLimit {
   /// s + 2 s2 eta + 3 s3 eta^2: there the pressure goes over to the held one without a kink.
   double last_monotone() const {
     constexpr double never = std::numeric_limits<double>::infinity();
+    if (s2 == 0.0 && s3 == 0.0) return never;
     const double root = std::sqrt(max_of(s2 * s2 - 3.0 * s * s3, 0.0)), below = root - s2;
     const bool turns = (s2 * s2 >= 3.0 * s * s3) & (below > 0.0);
     const double turn = s / select(turns, below, 1.0);

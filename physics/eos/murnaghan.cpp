@@ -24,7 +24,7 @@ struct Murnaghan final : PointwiseEos<Murnaghan>, TensionLimit {
 
   EosOutput evaluate_point(const EosInput& in, const State&) const {
     // Near the reference density the power is one, and the difference is small: no digits are lost with expm1.
-    const double exponent = slope * positive_log(in.density / in.reference_density);
+    const double exponent = slope * kerf::log(in.density / in.reference_density);
     return {limited(K / slope * kerf::expm1(exponent)), K * kerf::exp(exponent)};
   }
 };

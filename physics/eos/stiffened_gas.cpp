@@ -55,7 +55,7 @@ struct StiffenedGas final : PointwiseEos<StiffenedGas>, TensionLimit {
     const double ratio = in.density / in.reference_density;
     const double E = in.reference_density * in.specific_energy + energy_at_start();
     const double p = (gamma - 1.0) * ratio * E - gamma * stiffness;
-    return {limited(p), max_of(gamma * (p + stiffness), 0.0)};
+    return {limited(p), max_of(0.0, gamma * (p + stiffness))};
   }
 
  private:

@@ -59,7 +59,7 @@ struct CompactionTable {
 
   /// x of a volume over the undeformed volume; negative in expansion.
   double compaction_of(double volume_ratio) const {
-    return select(is_mu(), 1.0 / volume_ratio - 1.0, -positive_log(volume_ratio));
+    return select(is_mu(), 1.0 / volume_ratio - 1.0, -kerf::log(volume_ratio));
   }
 
   /// Pressure at the compactions `x` of a block, and its greater slope rho dp/drho, that of unloading where it is the
