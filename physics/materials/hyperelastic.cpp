@@ -89,7 +89,7 @@ struct Hyperelastic : PointwiseMaterial<LawType> {
   static void describe_state(Schema<LawType>& s) {
     s.state(&State::stretch, "stretch", "-", "isochoric left Cauchy-Green tensor less the unit tensor");
   }
-  double cost() const override { return 3.0; }
+  double cost() const override { return 7.0; }
 
   [[gnu::always_inline]] void update_point(const PointInputWith<inputs>& in, SymTensor& stress, State& state,
                                            double& shear_modulus) const {

@@ -84,7 +84,7 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan> {
     state.cold_energy = -cv * initial_temperature;
     state.cold_pressure = point.density * gamma0 * state.cold_energy;
   }
-  double cost() const override { return 8.0; }
+  double cost() const override { return 12.0; }
 
   void update_point(const PointInput& in, SymTensor& stress, State& state, double& shear_modulus) const {
     const double specific_volume = 1.0 / in.reference_density, volume_ratio = in.volume_ratio();
@@ -150,10 +150,11 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan> {
   }
 
   /// Root d of r(d) = 3 G d + Y(ep + d) - q, over g. r increases and is concave: Newton's method climbs to the root.
+  /// Three iterations leave round-off of all metals of UCRL-MA-106439, with increments from 1e-6 to 1.
   [[gnu::always_inline]] double plastic_increment(double q, double g, double strain) const {
     const double load = q / select(g > 0.0, g, 1.0);
     double d = 0.0;
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < 4; ++i) {
       const double x = max_of(1.0 + beta * (strain + initial_strain + d), 1.0);
       const double hardened = Y0 * positive_power(x, n);
       const bool bounded = hardened > Y_max;

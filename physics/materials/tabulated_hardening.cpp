@@ -134,7 +134,7 @@ struct TabulatedHardening final : Material {
   }
 
   void initialise(const InitialPoint&, double* state) const override { state[temperature_row] = initial_temperature; }
-  double cost() const override { return 6.0; }
+  double cost() const override { return 8.0; }
 
   void update(const MaterialBatch& b) const override { update_rows(b); }
   void update_single(const SingleMaterialBatch& b) const override { update_rows(b); }
@@ -286,23 +286,29 @@ struct TabulatedHardening final : Material {
     std::fill_n(r.rate, lane_width, 0.0);
     find_yield(r);
     const bool factor = has_factor();
-    const double log_C_dt = kerf::log(max_of(C, 0.0) * k.dt + 1e-300);
+    const double log_C_dt = factor ? kerf::log(C * k.dt + 1e-300) : 0.0;
+#pragma omp simd
+    for (int l = 0; l < lane_width; ++l) predict_lane(k, r.value[l] * k.thermal[l], l);
+    if (!factor) return;
+      // The increment whose rate alone would carry the stress.
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) {
-      const SymTensor increment = deviator(detail::tensor_at(k.strain, l));
-      const SymTensor trial = detail::tensor_at(k.stress, l) + (2.0 * G) * increment;
-      const double q = von_mises(trial), yield = r.value[l] * k.thermal[l], over = q - yield;
-      const bool yields = over > 0.0;
-      const double bound = over / (3.0 * G);
-      const double ratio = select(yields & (yield > 0.0), over, 1.0) / select(yield > 0.0, yield, 1.0);
-      const double by_rate = kerf::exp(clamp_to(log_C_dt + P * positive_log(ratio), -138.0, 60.0));
-      const double guess = max_of(min_of(equivalent_strain(increment), bound), 1e-6 * bound);
-      detail::set_tensor(k.stress, l, trial);
-      k.q[l] = q;
-      k.low[l] = 0.0;
-      k.high[l] = q / (3.0 * G);
-      k.d[l] = select(yields, select(factor, min_of(guess, by_rate), guess), 0.0);
+      const double yield = r.value[l] * k.thermal[l], over = k.q[l] - yield;
+      const bool some = (yield > 0.0) & (over > 0.0);
+      const double ratio = select(some, over, 1.0) / select(some, yield, 1.0);
+      k.d[l] = min_of(k.d[l], kerf::exp(clamp_to(log_C_dt + P * positive_log(ratio), -138.0, 60.0)));
     }
+  }
+  [[gnu::always_inline]] void predict_lane(Block& k, double yield, int l) const {
+    const SymTensor increment = deviator(detail::tensor_at(k.strain, l));
+    const SymTensor trial = detail::tensor_at(k.stress, l) + (2.0 * G) * increment;
+    const double q = von_mises(trial), bound = (q - yield) / (3.0 * G);
+    const double guess = max_of(min_of(equivalent_strain(increment), bound), 1e-6 * bound);
+    detail::set_tensor(k.stress, l, trial);
+    k.q[l] = q;
+    k.low[l] = 0.0;
+    k.high[l] = q / (3.0 * G);
+    k.d[l] = select(bound > 0.0, guess, 0.0);
   }
 
   /// (iii) Roots d of r(d) = 3 G d + Y - q, between `low` and `high`: Newton's method, for ln d where the rate acts.

@@ -46,9 +46,9 @@ TEST(CowperSymonds, steady_flow_has_the_factor_of_its_rate) {
 }
 
 TEST(CowperSymonds, hardening_is_multiplied_or_not) {
-  for (const auto& [form, factor] : {std::pair{"plastic", 1.0 + std::pow(1e3 / 40.4, 0.2)}, {"plastic_initial", 1.0}}) {
-    auto point =
-        point_of("cowper_symonds", "{" + steel + ", hardening_modulus: 1e9, strain_rate: " + std::string(form) + "}");
+  for (const bool multiplied : {true, false}) {
+    auto point = point_of("cowper_symonds", "{" + steel + ", hardening_modulus: 1e9, strain_rate: " +
+                                                (multiplied ? "plastic" : "plastic_initial") + "}");
     const double dt = 1e-6;
     double before = 0.0, strain = 0.0;
     for (int i = 0; i < 1000; ++i) {
@@ -57,8 +57,10 @@ TEST(CowperSymonds, hardening_is_multiplied_or_not) {
       point.step(shear(1e3 * dt * unit_shear), dt);
     }
     const double slope = (von_mises(point.deviator()) - before) / (point.state("effective_plastic_strain") - strain);
-    // The rate, of which the elastic strain takes a share that falls with time, still grows by a little.
-    EXPECT_NEAR(slope / (factor * 1e9), 1.0, 1e-3) << form;
+    const double x = std::pow(point.state("plastic_strain_rate") / 40.4, 0.2);
+    // The slope is a difference of stresses of 1 GPa over a strain of 1e-3, 1 MPa: round-off counts a thousand times,
+    // and so does what Newton's method has left.
+    EXPECT_NEAR(slope / ((multiplied ? 1.0 + x : 1.0) * 1e9), 1.0, 1e-8) << multiplied;
   }
 }
 
@@ -267,7 +269,7 @@ TEST(SteinbergGuinan, hardening_is_solved_and_bounded) {
     cold.step(shear(1e-2 * unit_shear));
     const double ep = cold.state("effective_plastic_strain");
     const double wanted = std::min(0.12e9 * std::pow(1.0 + 2000.0 * ep, 0.16), 0.64e9);
-    EXPECT_NEAR(von_mises(cold.deviator()) / wanted, 1.0, 1e-10) << ep;  // of six iterations
+    EXPECT_NEAR(von_mises(cold.deviator()) / wanted, 1.0, 1e-10) << ep;  // of four iterations
   }
 }
 
@@ -405,14 +407,14 @@ TEST(Hyperelastic, closed_cycles_leave_no_stress_whatever_the_step) {
 }
 
 TEST(Hyperelastic, closed_cycles_make_no_energy) {
-  // What is left is the error of the trapezoidal rule for the work, which falls with the square of the step; the rate
-  // form of elasticity has another that does not.
+  // What is left is the error of the work, the mean of two stresses times the strain. Its second order drops out around
+  // a cycle. The rate form of elasticity has another error, which does not fall with the step.
   for (const auto& [law, parameters] :
        {std::pair{"neo_hookean", "{shear_modulus: 1e6}"}, {"mooney_rivlin", "{C10: 4e5, C01: 1e5}"}}) {
     const PartLaws laws = rubber(law, parameters);
     const double coarse = cycle(laws, 10, 200).energy, fine = cycle(laws, 10, 400).energy;
     EXPECT_LE(std::fabs(fine), 1e-3) << law;
-    EXPECT_NEAR(coarse / fine, 4.0, 0.5) << law;
+    EXPECT_NEAR(coarse / fine, 8.0, 0.5) << law;
   }
   EXPECT_GT(std::fabs(cycle(rubber("elastic", "{shear_modulus: 1e6}"), 10, 400).energy), 1e-2);
 }

@@ -28,7 +28,7 @@ std::vector<CurveResult> check(const Oracle& o) {
                                        {"taylor_quinney", "taylor_quinney"}}) +
                                "}";
   c.names = {{"effective_plastic_strain", "effective_plastic_strain"}, {"temperature_K", "temperature"}};
-  c.steps = 2000;
+  c.steps = 4000;
   c.others = 2e-3;
   c.tolerances["effective_plastic_strain"] = 1e-3;
   // Of the rise of the temperature.
