@@ -1,6 +1,6 @@
-"""Every registered material, equation of state, solid and criterion in small impacts of two bodies: the same bits on one
-rank, and on three that hand elements to each other, stop half-way, and are resumed by two. The samples are those of
-tests/data/sample_laws.yaml."""
+"""Every registered material, equation of state, solid and criterion in small impacts of two bodies: the same bits on
+one rank, and on three that hand elements to each other, stop half-way, and are resumed by two. The samples are those
+of tests/data/sample_laws.yaml."""
 import json
 import os
 import re
