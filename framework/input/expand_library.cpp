@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "input/library.hpp"
+#include "input/substitute.hpp"
 
 namespace kerf {
 namespace {
@@ -69,6 +71,22 @@ void warn_of(const MaterialSet& set, const Entry& key, Diagnostics& diagnostics)
                                     set.name, set.name));
 }
 
+/// The set that the key names; null, with an error, where there is none.
+const MaterialSet* find_set(const Entry& key, const MaterialLibrary& library, Diagnostics& diagnostics) {
+  if (names_a_parameter(key.value)) return nullptr;  // one without a value, which has been reported
+  if (!key.value.is_scalar()) {
+    diagnostics.error(
+        key.value.is_nothing() ? key.key_origin : key.value.origin,
+        fmt::format("`library` is {}; expected the name of a set (`kerf list library` shows all)", key.value.what()));
+    return nullptr;
+  }
+  const MaterialSet* set = library.find(key.value.text);
+  if (!set)
+    diagnostics.error(key.value.origin, fmt::format("there is no set \"{}\" in the material library{}", key.value.text,
+                                                    library.suggestion_for(key.value.text)));
+  return set;
+}
+
 /// The folders that the key `library` at the top adds; the key itself stays for the binder.
 void add_folders(const Node& root, const std::string& input_folder, std::vector<std::string>& folders) {
   const Entry* key = root.find("library");
@@ -95,17 +113,8 @@ std::vector<LibraryUse> expand_library(Node& root, const std::string& input_fold
   for (Entry& material : all) {
     if (!names_a_set(material)) continue;
     const std::unique_ptr<Entry> key = take_library_key(material.value);
-    if (!key->value.is_scalar()) {
-      diagnostics.error(key->value.is_nothing() ? key->key_origin : key->value.origin,
-                        fmt::format("`library` is {}; expected the name of a set (`kerf list library` shows all)",
-                                    key->value.what()));
-      all_found = false;
-      continue;
-    }
-    const MaterialSet* set = library.find(key->value.text);
+    const MaterialSet* set = find_set(*key, library, diagnostics);
     if (!set) {
-      diagnostics.error(key->value.origin, fmt::format("there is no set \"{}\" in the material library{}",
-                                                       key->value.text, library.suggestion_for(key->value.text)));
       all_found = false;
       continue;
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
 #include <string>
 #include <utility>
@@ -82,7 +83,9 @@ TEST_P(EveryLaw, gives_finite_numbers_and_does_something) {
   std::mt19937 random(11);
   bool changed = false;
   for (int round = 0; round < 100; ++round) {
-    LawBlock<double> before = sample.random_block<double>(random), after = before;
+    LawBlock<double> before = sample.random_block<double>(random);
+    for (auto& row : before.outputs) std::fill(std::begin(row), std::end(row), 0.0);
+    LawBlock<double> after = before;
     sample.apply(after);
     after.each_row(before, [&](auto& now, auto& then, const char* row) {
       for (int l = 0; l < lane_width; ++l) {

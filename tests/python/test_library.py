@@ -134,6 +134,14 @@ def test_unknown_names_are_refused(tmp_path):
     assert "did you mean `copper_ofhc_johnson_cook`" in process.stderr
 
 
+def test_parameters_may_name_a_set(tmp_path):
+    process, summary = run(tmp_path, "library: $metal", "--set", "parameters.metal=steel_4340_johnson_cook")
+    assert process.returncode == 0 and summary["library"]["m"]["set"] == "steel_4340_johnson_cook"
+    process, _ = run(tmp_path, "library: $metal")
+    errors = [line for line in process.stderr.splitlines() if ": error: " in line]
+    assert process.returncode == 2 and len(errors) == 1 and 'there is no parameter "metal"' in errors[0]
+
+
 def test_unverified_sets_are_warnings_everywhere(tmp_path):
     process, summary = run(tmp_path, use_of("copper_ofhc_johnson_cook"))
     warning = "warning: the set `copper_ofhc_johnson_cook` of the material library is not verified"
