@@ -71,23 +71,24 @@ def test_taylor_wave_of_a_plane_detonator(kerf):
     assert abs(run.summary["energy"]["balance_error"]) < 5e-3
 
 
-@pytest.mark.parametrize("eos, density, velocity", [(TNT, 1630, 6929.35), (PBX_9404, 1840, 8800.05),
-                                                    (C4, 1601, 8192.95)], ids=["tnt", "pbx_9404", "c4"])
-def test_compression_alone_detonates_at_the_derived_velocity(kerf, eos, density, velocity):
-    """No clock drives the front: burnt cells at one end do. Its speed is that of the jump conditions."""
-    cells, length = 400, 0.1
+@pytest.mark.parametrize("eos, density, velocity, behind", [
+    (TNT, 1630, 6929.35, 1859.23), (PBX_9404, 1840, 8800.05, 2285.11), (C4, 1601, 8192.95, 2134.62)],
+    ids=["tnt", "pbx_9404", "c4"])
+def test_compression_alone_detonates_at_the_derived_velocity(kerf, eos, density, velocity, behind):
+    """No clock drives the front, but a piston that is as fast as the products, and 2 % more, so that burning comes to
+    its end. The velocity of the front has its minimum there, and does not feel these 2 %."""
+    cells, length = 200, 0.1
     end = 0.9 * length / velocity
     model = row(cells, length, {**eos, "burn": "compression"}, density, end, frames=40)
-    model["boundaries"].append({"type": "symmetry", "normal": [1, 0, 0]})
-    model["sets"] = {"booster": {"box": [-1, -1, -1, 0.0051, 1, 1]}}
-    model["initial_state"] = [{"elements": ["booster"], "variable": "burn_fraction", "value": "1"}]
+    model["sets"] = {"piston": {"face": "x_min"}}
+    model["boundaries"].append({"type": "prescribed_motion", "nodes": ["piston"], "velocity": [1.02 * behind, 0, 0]})
     results = kerf(model).results
-    x = (np.arange(cells) + 0.5) * length / cells
-    places = np.array([x[results.cell("burn_fraction", f) >= 1.0].max() for f in range(len(results.times))])
-    later = places > 0.04
-    assert later.sum() > 10
+    x = results.centres(0)[:, 0]
+    places = np.array([x[results.cell("burn_fraction", f) > 0.5].max(initial=0.0) for f in range(len(results.times))])
+    later = places > 0.03
+    assert later.sum() > 20
     speed = np.polyfit(results.times[later], places[later], 1)[0]
-    # The place is known to a cell, 0.25 mm of 50 mm, and a line through twenty places to a tenth of that.
+    # The place is known to a cell, 0.5 mm of 60 mm, and a line through thirty places to a tenth of that.
     assert speed == pytest.approx(velocity, rel=3e-3)
 
 
@@ -105,7 +106,7 @@ def test_driven_plate(kerf):
     model["parts"]["plate"] = {"material": "plate", "mesh": {
         "type": "block", "origin": [length, 0, 0], "size": [thickness, width, width], "cells": [1, 1, 1]}}
     model["joined"] = [{"parts": ["charge", "plate"]}]
-    model["observers"] = [{"type": "part_history", "parts": ["plate"]}]
+    model["observers"] = {"plate": {"type": "part_history", "parts": ["plate"]}}
     model["output"]["history_interval"] = plate["time_s"][-1] / 400
     run = kerf(model)
     import h5py
@@ -125,7 +126,7 @@ def test_a_free_charge_keeps_its_energy(kerf, cells):
     model = {"title": "free", "time": {"end": 6e-6},
              "materials": {"explosive": explosive({**TNT, "detonators": [{"point": [0.01, 0.01, 0.01]}]})},
              "parts": {"charge": block([0, 0, 0], [20, 20, 20], 20 / cells)},
-             "observers": [{"type": "burn"}], "output": {"history_interval": 2e-7}}
+             "observers": {"burn": {"type": "burn"}}, "output": {"history_interval": 2e-7}}
     run = kerf(model)
     assert abs(run.summary["energy"]["balance_error"]) < 5e-3
     assert run.summary["energy"]["chemical"] == 0.0
@@ -133,7 +134,7 @@ def test_a_free_charge_keeps_its_energy(kerf, cells):
     history = run.history
     assert history["chemical"] + history["released"] == pytest.approx(7e9 * 8e-6, rel=1e-12)
     assert np.all(np.diff(history["chemical"]) <= 0) and history["chemical"][0] == pytest.approx(7e9 * 8e-6)
-    numbers = run.summary["observers"]["burn_1"]
+    numbers = run.summary["observers"]["burn"]
     # A sphere of 10 mm within a cube of 20 mm holds half of it: 9.85 mm.
     assert numbers["charge.half_burnt"] == pytest.approx(9.85e-3 / D, abs=4e-7)
     assert numbers["charge.begins_to_burn"] < numbers["charge.half_burnt"] < numbers["charge.burnt"] < 3e-6
@@ -224,8 +225,10 @@ def test_a_fast_explosive_overtakes(kerf):
     slower = np.sqrt(1 / slow**2 - 1 / fast**2)
     overtaken = along / fast + (depth + height) * slower
     direct = np.hypot(along, height - depth) / slow
-    far = (height > 0) & (overtaken < 0.95 * direct)
-    near = (height > 0) & (overtaken > 1.05 * direct)
+    # The wave runs along the border between the places where it enters and leaves, if these lie in this order.
+    beyond = along > (depth + height) * slow / fast / np.sqrt(1 - (slow / fast) ** 2)
+    far = (height > 0) & beyond & (overtaken < 0.95 * direct)
+    near = (height > 0) & ((overtaken > 1.05 * direct) | (along < 0.5 * (depth + height)))
     assert far.sum() > 200 and near.sum() > 200
     assert t[near] == pytest.approx(direct[near], rel=1e-9)
     assert t[far] == pytest.approx(overtaken[far], rel=0.02)
