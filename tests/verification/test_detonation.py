@@ -29,7 +29,8 @@ def explosive(eos, density=1630):
 def block(x0, x1, size, material="explosive"):
     """Corners and size of a cell in mm."""
     return {"material": material,
-            "mesh": {"type": "block", "origin": [1e-3 * x for x in x0], "size": [1e-3 * (b - a) for a, b in zip(x0, x1)],
+            "mesh": {"type": "block", "origin": [1e-3 * x for x in x0],
+                     "size": [1e-3 * (b - a) for a, b in zip(x0, x1)],
                      "cells": [max(1, round((b - a) / size)) for a, b in zip(x0, x1)]}}
 
 
@@ -101,7 +102,8 @@ def test_driven_plate(kerf):
     model = row(cells, length, gas, rho, plate["time_s"][-1], fields=["pressure"])
     width, thickness = length / cells, length / cells
     # As thin as a cell and stiff: as good as rigid, and the wave in it is soon over.
-    model["materials"]["plate"] = {"density": 39.25 / thickness, "strength": {"type": "elastic", "shear_modulus": "1 GPa"},
+    model["materials"]["plate"] = {"density": 39.25 / thickness,
+                                   "strength": {"type": "elastic", "shear_modulus": "1 GPa"},
                                    "eos": {"type": "linear", "bulk_modulus": "2000 GPa"}}
     model["parts"]["plate"] = {"material": "plate", "mesh": {
         "type": "block", "origin": [length, 0, 0], "size": [thickness, width, width], "cells": [1, 1, 1]}}
@@ -128,7 +130,8 @@ def test_a_free_charge_keeps_its_energy(kerf, cells):
              "parts": {"charge": block([0, 0, 0], [20, 20, 20], 20 / cells)},
              "observers": {"burn": {"type": "burn"}}, "output": {"history_interval": 2e-7}}
     run = kerf(model)
-    assert abs(run.summary["energy"]["balance_error"]) < 5e-3
+    # 0.41 % and 0.67 % if the pressure's work were that of the change of volume alone; measured 0.05 % and 0.30 %.
+    assert abs(run.summary["energy"]["balance_error"]) < (2e-3 if cells == 16 else 5e-3)
     assert run.summary["energy"]["chemical"] == 0.0
     assert run.summary["energy"]["released"] == pytest.approx(7e9 * 8e-6, rel=1e-12)
     history = run.history
@@ -185,7 +188,7 @@ def errors_against(name, centres, times, size):
 
 
 def test_arrival_round_an_obstacle(kerf):
-    """Exact where the detonator is seen; in the shadow late by 0.35 % at most with cells of 1 mm, where 2 % are allowed.
+    """Exact where the detonator is seen; in the shadow late by 0.35 % at most with cells of 1 mm, where 2 % are good.
     Places of the file are the centres of cells of 1 mm, and of four cells of half the size each, whose mean counts."""
     run, x, t = arrivals(kerf, *obstacle(1))
     seen, shadow = errors_against("lighting_time_obstacle", x, t, 1)
@@ -296,8 +299,8 @@ def test_initiation_has_the_same_bits_on_any_ranks_and_after_restart(kerf, binar
         assert kerf(model, "balance.force_interval=7", ranks=ranks).summary["state_hash"] == alone.summary["state_hash"]
     half = kerf(model, "time.maximum_cycles=40")
     assert half.summary["cycles"] == 40
-    again = subprocess.run([str(binary), "run", str(half.folder / "input.yaml"), "--output", str(half.folder), "--resume",
-                            "--ranks", "2"], capture_output=True, text=True)
+    again = subprocess.run([str(binary), "run", str(half.folder / "input.yaml"), "--output", str(half.folder),
+                            "--resume", "--ranks", "2"], capture_output=True, text=True)
     assert again.returncode == 0, again.stderr
     assert json.loads((half.folder / "summary.json").read_text())["state_hash"] == alone.summary["state_hash"]
 
