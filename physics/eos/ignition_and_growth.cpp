@@ -75,6 +75,7 @@ struct IgnitionAndGrowth final : PointwiseEos<IgnitionAndGrowth>, EnergyHolder {
   }
 
  private:
+  static constexpr double all_but = 1e-6;  // what is left then burns at once
   static constexpr double most_burnt = 0.02;  // in a piece of a step; Heun's method errs by the square of it
 
   /// Carries the burnt share through a step, and the mixture with it.
@@ -85,12 +86,14 @@ struct IgnitionAndGrowth final : PointwiseEos<IgnitionAndGrowth>, EnergyHolder {
     for (int i = 0; i < most_pieces && left > 0.0 && F < 1.0; ++i) {
       const double first = rate(F, compression, m.pressure);
       if (!(first > 0.0)) return;
-      // Growth by a power of F from next to nothing: a piece may multiply F, but not many times at once.
-      const double most = i + 1 == most_pieces ? 1.0 : min_of(most_burnt, max_of(0.5 * F, 1e-6));
+      // Rates by powers of F and of 1 - F have no bounded slope at either end: pieces are shares of what is there.
+      const double at_ends = max_of(min_of(0.5 * F, 0.2 * (1.0 - F)), 1e-6);
+      const double most = i + 1 == most_pieces ? 1.0 : min_of(most_burnt, at_ends);
       const double piece = min_of(left, most / first);
       const double F_first = min_of(F + piece * first, 1.0);
       const double second = rate(F_first, compression, phases.at(F_first, V, E, m.products_volume).pressure);
-      F = min_of(F + 0.5 * piece * (first + second), 1.0);
+      F += 0.5 * piece * (first + second);
+      if (F > 1.0 - all_but) F = 1.0;
       m = phases.at(F, V, E, m.products_volume);
       left -= piece;
     }

@@ -58,8 +58,10 @@ TEST(Books, add_up_what_has_to_stay_what_it_was) {
   b.bulk_viscosity = 8.0;
   b.contact = 16.0;
   b.eroded = 32.0;
+  b.chemical = 64.0;
   b.friction = b.external = b.initial = 1e6;  // a share of contact, what was put in, and what there was
-  EXPECT_EQ(b.total(), 63.0);
+  b.released = b.eroded_chemical = 1e6;  // shares of other lines
+  EXPECT_EQ(b.total(), 127.0);
 }
 
 TEST(Accounts, keep_their_places_in_restart_files) {

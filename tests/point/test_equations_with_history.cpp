@@ -88,11 +88,6 @@ TEST(Jwl, unlit_explosive_has_the_wave_speed_of_the_detonation) {
   EXPECT_NEAR(std::sqrt(out.bulk_modulus / 1630.0), 6930.0, 1e-9);
 }
 
-TEST(Jwl, asks_for_what_detonators_need) {
-  EXPECT_THAT(kerf::test::refusal("eos", "jwl", "{" + tnt + ", detonators: [{point: [0, 0, 0]}]}"),
-              testing::AllOf(testing::HasSubstr("detonation_velocity"), testing::HasSubstr("cj_pressure")));
-}
-
 /// The cycles of the file with `steps` steps between two rows, each with two evaluations as elements make them.
 double worst_error(const Oracle& o, const std::string& parameters, int steps, bool of_distension) {
   EosPoint point("p_alpha", parameters, 1.0 / o.column("relative_volume")[0] * o.column("density_kg_m3")[0]);

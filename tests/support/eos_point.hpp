@@ -29,6 +29,7 @@ class EosPoint {
     b.density = rho;
     b.specific_energy = e;
     b.time = time;
+    b.dt = dt_;
     b.length = h;
     b.state = rows.data();
     if (is_last) b.new_state = left.data();
@@ -38,12 +39,14 @@ class EosPoint {
     for (std::size_t v = 0; v < state_.size(); ++v) state_[v] = left[v * lane_width];
     return {p[0], k[0]};
   }
+  void set_step(double dt) { dt_ = dt; }
+  const Eos& law() const { return *law_; }
   double state(std::size_t v) const { return state_[v]; }
   void set_state(std::size_t v, double value) { state_[v] = value; }
 
  private:
   std::unique_ptr<Eos> law_;
-  double reference_density_;
+  double reference_density_, dt_ = 0.0;  // the latter [s]
   std::vector<double> state_;
 };
 
