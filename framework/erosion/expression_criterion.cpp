@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/condition.hpp"
 #include "core/diagnostics.hpp"
-#include "core/expression.hpp"
 #include "kerf/erosion.hpp"
 
 namespace {
@@ -78,7 +78,7 @@ struct ExpressionCriterion final : ErosionCriterion {
   /// Variables of laws, in the order of the expression. What no law declares is told by complaints().
   std::vector<ReadVariable> reads() const override {
     std::vector<ReadVariable> all;
-    for (const Expression::Variable& v : program().variables()) {
+    for (const Condition::Variable& v : program().variables()) {
       if (place_of(v.name) >= 0) continue;
       ReadVariable r;
       r.name = v.name;
@@ -99,7 +99,7 @@ struct ExpressionCriterion final : ErosionCriterion {
       if (place_of(name) < 0) names.push_back(name);
     if (program().variables().size() > most_variables)
       all.push_back({"expression", 0, fmt::format("expected at most {} different variables", most_variables)});
-    for (const Expression::Variable& v : program().variables()) {
+    for (const Condition::Variable& v : program().variables()) {
       if (place_of(v.name) >= 0 && v.name != "pressure" && units.contains(v.name))
         all.push_back({"expression", v.offset,
                        fmt::format("a law of the material keeps a variable \"{}\" too, and nobody could know which is "
@@ -116,16 +116,16 @@ struct ExpressionCriterion final : ErosionCriterion {
       const auto found = units.find(name);
       return found == units.end() ? std::nullopt : std::optional(found->second);
     };
-    for (const Expression::Fault& f : program().faults(unit_of)) all.push_back({"expression", f.offset, f.sentence});
+    for (const Condition::Fault& f : program().faults(unit_of)) all.push_back({"expression", f.offset, f.sentence});
     return all;
   }
 
   void judge(const ErosionBatch& b) const override {
-    const Expression& condition = program();
+    const Condition& condition = program();
     const KnownRows at_point(b);
     std::array<const double*, most_variables> rows{};
     std::size_t n = 0, n_read = 0;
-    for (const Expression::Variable& v : condition.variables()) {
+    for (const Condition::Variable& v : condition.variables()) {
       const int k = place_of(v.name);
       rows[n++] = k >= 0 ? at_point.rows[k] : b.reads[n_read++];
     }
@@ -141,11 +141,11 @@ struct ExpressionCriterion final : ErosionCriterion {
  private:
   static constexpr std::size_t most_variables = 64;
 
-  const Expression& program() const {
-    if (!program_) program_ = std::make_unique<Expression>(expression);
+  const Condition& program() const {
+    if (!program_) program_ = std::make_unique<Condition>(expression);
     return *program_;
   }
-  mutable std::unique_ptr<Expression> program_;
+  mutable std::unique_ptr<Condition> program_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Parsing by descent, the check of dimensions, and the stack machine.
-#include "core/expression.hpp"
+#include "core/condition.hpp"
 
 #include <fmt/format.h>
 
@@ -20,16 +20,16 @@ bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0;
 
 }  // namespace
 
-class ExpressionParser {
+class ConditionParser {
  public:
-  ExpressionParser(const std::string& text, Expression& out) : text_(text), out_(out) {}
+  ConditionParser(const std::string& text, Condition& out) : text_(text), out_(out) {}
 
   void parse() {
     try {
       alternatives();
       if (next() != '\0') fail("expected an operator or the end");
       check_depth();
-    } catch (const Expression::Fault& fault) {
+    } catch (const Condition::Fault& fault) {
       out_.syntax_ = fault;
       out_.program_.clear();
       out_.variables_.clear();
@@ -37,9 +37,9 @@ class ExpressionParser {
   }
 
  private:
-  using Op = Expression::Op;
+  using Op = Condition::Op;
 
-  [[noreturn]] void fail(const std::string& expected) const { throw Expression::Fault{at_, expected}; }
+  [[noreturn]] void fail(const std::string& expected) const { throw Condition::Fault{at_, expected}; }
   char peek(int ahead = 0) const {
     const auto i = static_cast<std::size_t>(at_ + ahead);
     return i < text_.size() ? text_[i] : '\0';
@@ -63,7 +63,7 @@ class ExpressionParser {
     return true;
   }
   void emit(Op op, int offset) {
-    Expression::Instruction i;
+    Condition::Instruction i;
     i.op = op;
     i.offset = offset;
     out_.program_.push_back(i);
@@ -158,7 +158,7 @@ class ExpressionParser {
   }
 
   void number() {
-    Expression::Instruction i;
+    Condition::Instruction i;
     i.offset = at_;
     const std::string_view rest = std::string_view(text_).substr(static_cast<std::size_t>(at_));
     const std::size_t length = number_length(rest);
@@ -187,7 +187,7 @@ class ExpressionParser {
     return false;
   }
   /// A unit has no spaces in it; "/" and "." belong to it where a letter follows at once.
-  void read_unit(Expression::Instruction& i, bool reciprocal) {
+  void read_unit(Condition::Instruction& i, bool reciprocal) {
     const int from = at_;
     if (reciprocal) at_ += 2;
     while (is_letter(peek()) || is_digit(peek()) || ((peek() == '/' || peek() == '.') && is_letter(peek(1)))) ++at_;
@@ -212,7 +212,7 @@ class ExpressionParser {
     }
     if (take("(")) return call(found, offset);
     auto known = std::find_if(out_.variables_.begin(), out_.variables_.end(),
-                              [&](const Expression::Variable& v) { return v.name == found; });
+                              [&](const Condition::Variable& v) { return v.name == found; });
     if (known == out_.variables_.end()) known = out_.variables_.insert(known, {found, offset});
     emit(Op::variable, offset);
     out_.program_.back().variable = static_cast<int>(known - out_.variables_.begin());
@@ -240,38 +240,38 @@ class ExpressionParser {
 
   void check_depth() {
     int depth = 0;
-    for (const Expression::Instruction& i : out_.program_) {
+    for (const Condition::Instruction& i : out_.program_) {
       depth += i.op <= Op::variable ? 1 : i.op <= Op::logical_not ? 0 : -1;
       at_ = i.offset;
-      if (depth > Expression::most_depth) fail("expected fewer values that wait for each other; use less parentheses");
+      if (depth > Condition::most_depth) fail("expected fewer values that wait for each other; use less parentheses");
     }
   }
 
   const std::string& text_;
-  Expression& out_;
+  Condition& out_;
   int at_ = 0, nested_ = 0;
 };
 
 /// Runs the program with dimensions in place of values.
-class DimensionCheck {
+class ConditionUnits {
  public:
-  DimensionCheck(const Expression& expression, std::vector<std::optional<Dimension>> variables)
+  ConditionUnits(const Condition& expression, std::vector<std::optional<UnitExponents>> variables)
       : expression_(expression), variables_(std::move(variables)) {}
 
-  std::vector<Expression::Fault> run() {
-    for (const Expression::Instruction& i : expression_.program_) step(i);
+  std::vector<Condition::Fault> run() {
+    for (const Condition::Instruction& i : expression_.program_) step(i);
     if (stack_.back().kind != Kind::condition)
       fault(0, "expected a condition, such as \"damage > 0.9\", and this is a number");
     return std::move(faults_);
   }
 
  private:
-  using Op = Expression::Op;
+  using Op = Condition::Op;
   // A number without a unit goes with any dimension, and so does what has been complained of.
   enum class Kind { condition, quantity, any };
   struct Value {
     Kind kind = Kind::any;
-    Dimension dimension{};
+    UnitExponents dimension{};
     std::optional<double> number = {};  // where it stands in the text
   };
 
@@ -292,7 +292,7 @@ class DimensionCheck {
   void need_condition(const Value& v, int offset) {
     if (v.kind == Kind::quantity) fault(offset, "expected conditions at this operator, and one side is a number");
   }
-  static std::string text(const Dimension& d) {
+  static std::string text(const UnitExponents& d) {
     static const char* const names[] = {"m", "kg", "s", "A", "K", "mol", "cd"};
     std::string all;
     for (std::size_t k = 0; k < d.size(); ++k)
@@ -309,11 +309,11 @@ class DimensionCheck {
     return {Kind::quantity, a.dimension, {}};
   }
   void need_no_dimension(const Value& v, int offset, const char* what) {
-    if (v.kind == Kind::quantity && v.dimension != Dimension{})
+    if (v.kind == Kind::quantity && v.dimension != UnitExponents{})
       fault(offset, fmt::format("{} takes a number without unit, and this has {}", what, text(v.dimension)));
   }
 
-  void step(const Expression::Instruction& i) {
+  void step(const Condition::Instruction& i) {
     const int at = i.offset;
     switch (i.op) {
       case Op::number:
@@ -346,7 +346,7 @@ class DimensionCheck {
         return of_two(i);
     }
   }
-  void of_two(const Expression::Instruction& i) {
+  void of_two(const Condition::Instruction& i) {
     if (i.op == Op::logical_and || i.op == Op::logical_or) {
       need_condition(pop(), i.offset);
       need_condition(pop(), i.offset);
@@ -367,7 +367,7 @@ class DimensionCheck {
   Value raised(const Value& a, const Value& b, int offset) {
     need_no_dimension(b, offset, "an exponent");
     if (a.kind == Kind::any) return {};
-    if (a.dimension != Dimension{} && !b.number) {
+    if (a.dimension != UnitExponents{} && !b.number) {
       fault(offset, "a quantity with a unit is raised to a power that is not written as a number");
       return {};
     }
@@ -376,28 +376,28 @@ class DimensionCheck {
     return v;
   }
 
-  const Expression& expression_;
-  std::vector<std::optional<Dimension>> variables_;
+  const Condition& expression_;
+  std::vector<std::optional<UnitExponents>> variables_;
   std::vector<Value> stack_;
-  std::vector<Expression::Fault> faults_;
+  std::vector<Condition::Fault> faults_;
 };
 
-Expression::Expression(const std::string& text) { ExpressionParser(text, *this).parse(); }
+Condition::Condition(const std::string& text) { ConditionParser(text, *this).parse(); }
 
-std::vector<Expression::Fault> Expression::faults(
+std::vector<Condition::Fault> Condition::faults(
     const std::function<std::optional<std::string>(const std::string&)>& unit_of) const {
   if (syntax_) return {*syntax_};
   if (program_.empty()) return {{0, "expected a condition, such as \"damage > 0.9\""}};
-  std::vector<std::optional<Dimension>> dimensions;
+  std::vector<std::optional<UnitExponents>> dimensions;
   for (const Variable& v : variables_) {
     const auto unit = unit_of(v.name);
     const auto base = unit ? unit_in_base(*unit) : std::nullopt;
     dimensions.push_back(base ? std::optional(base->exponents) : std::nullopt);
   }
-  return DimensionCheck(*this, std::move(dimensions)).run();
+  return ConditionUnits(*this, std::move(dimensions)).run();
 }
 
-void Expression::evaluate(const double* const* rows, double (&out)[lane_width]) const {
+void Condition::evaluate(const double* const* rows, double (&out)[lane_width]) const {
   KERF_ASSERT(!program_.empty(), "only expressions that can be read are evaluated");
   alignas(64) double stack[most_depth][lane_width];
   int top = -1;
