@@ -21,12 +21,12 @@ struct Quantity {
 Quantity to_si(std::string_view text, const std::string& si_unit);
 
 /// Exponents of the base units m, kg, s, A, K, mol, cd.
-using BaseExponents = std::array<double, 7>;
+using UnitExponents = std::array<double, 7>;
 
 /// A unit as a multiple of a product of base units.
 struct UnitInBase {
   double factor = 1.0;
-  BaseExponents exponents{};
+  UnitExponents exponents{};
 };
 /// Nothing where `unit` is unknown, or where its zero is shifted, as that of degC. "-" is the number 1.
 std::optional<UnitInBase> unit_in_base(const std::string& unit);

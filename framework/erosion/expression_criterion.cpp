@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/condition.hpp"
 #include "core/diagnostics.hpp"
-#include "erosion/condition.hpp"
 #include "kerf/erosion.hpp"
 
 namespace {

@@ -150,11 +150,6 @@ void ask_moduli(PartModel& part, const ModelInput& input) {
   }
 }
 
-bool asks_for(const MaterialInput& material, unsigned inputs) {
-  const std::vector<const Law*> laws = material.laws();
-  return std::any_of(laws.begin(), laws.end(), [&](const Law* l) { return (l->asked_inputs() & inputs) != 0; });
-}
-
 namespace {
 
 void initialise_states(const MaterialInput& m, const PartModel& part, const InitialPoint& point, double* record) {

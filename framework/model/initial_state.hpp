@@ -9,9 +9,6 @@ namespace kerf {
 /// energies of the input make of it. Throws InputError where a law throws.
 void ask_moduli(PartModel& part, const ModelInput& input);
 
-/// Whether a law of the part's material has asked for one of `inputs`, of Inputs.
-bool asks_for(const MaterialInput& material, unsigned inputs);
-
 /// Lets the laws of a part change the state in the record of a fresh element. Throws InputError where one throws.
 void initialise_laws(const PartModel& part, const InitialPoint& point, double* record);
 

@@ -17,6 +17,7 @@
 #include "model/copies.hpp"
 #include "model/initial_state.hpp"
 #include "model/joining.hpp"
+#include "model/law_variables.hpp"
 #include "model/migrator.hpp"
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
@@ -343,37 +344,6 @@ void set_force_quantum(Model& model) {
 }
 
 }  // namespace
-
-PartStore::Variables variables_of(const MaterialInput& material, int& first) {
-  PartStore::Variables all;
-  all.material = material.stress_law().state_variables();
-  if (material.eos) all.eos = material.eos->state_variables();
-  all.place = asks_for(material, with_initial_length | with_reference_position);
-  if (!material.erosion) return all;
-  const ErosionInput& erosion = *material.erosion;
-  const auto keep = [&all](const char* name) {
-    StateVariable v;
-    v.name = name;
-    v.unit = "-";
-    all.erosion.push_back(v);
-  };
-  keep("erosion_verdicts");  // which criteria failed at their last look, as a whole number of bits
-  if (erosion.fade_out > 0)
-    for (const char* name :
-         {"fade_out_cycles", "fade_out_criterion", "fade_out_value", "fade_out_strength", "fade_out_tension"})
-      keep(name);
-  const bool keeps_elements = std::any_of(erosion.criteria.begin(), erosion.criteria.end(),
-                                          [](const auto& c) { return c->then == "no_tension"; });
-  if (keeps_elements) keep("no_tension");  // 1 where an element has failed and stays, without deviator and tension
-  first = static_cast<int>(all.erosion.size());
-  all.softening = erosion.fade_out > 0 || keeps_elements;
-  for (const auto& c : erosion.criteria) {
-    all.softening = all.softening || c->softens();
-    all.place = all.place || c->nonlocal().radius > 0.0;
-    for (const StateVariable& v : c->state_variables()) all.erosion.push_back(v);
-  }
-  return all;
-}
 
 std::vector<const FacetLoad*> facet_loads(const ModelInput& input) {
   std::vector<const FacetLoad*> found;

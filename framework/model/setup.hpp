@@ -12,9 +12,6 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input);
 /// Generates this rank's contiguous share of the elements and assembles it. Collective.
 void generate_mesh(Model& model);
 
-/// What the laws of a material keep; `first_criterion_state` is set to where the state of its first criterion begins.
-PartStore::Variables variables_of(const MaterialInput& material, int& first_criterion_state);
-
 /// The loads of the input that act on facets, in its order: component k of PartStore::loaded_faces is about number k.
 std::vector<const FacetLoad*> facet_loads(const ModelInput& input);
 

@@ -20,21 +20,18 @@ struct DamageState {
   double last_plastic_strain;  // that has been seen; negative before the first step
   double increment;  // of the step, where the engine averages it; else 0
   double onset_strain, onset_stress;  // where the amount reached its limit; the former negative before that [-], [Pa]
+  double pace;  // amount per plastic strain at the end of the last step
 };
 /// What it reads. A law's Reads derive from it, and so begin with it.
 struct DamageReads {
   double effective_plastic_strain;
 };
-/// The plastic flow of a step.
-struct DamageStep {
-  double strain = 0.0;  // equivalent plastic strain of the step, over the factor of the element's size [-]
-  double rate = 0.0;  // [1/s]
-};
-
 /// Base of a law that has `State` and `Reads` as above, and
-///   double growth(const Point&, const Reads&, const DamageStep&, State&) const   increment of the amount
-///   double amount_at_failure() const                                             greater than zero
+///   double pace(const Point&, const Reads&, double rate) const   amount per plastic strain, at the end of a step with
+///                                                                that plastic strain rate [1/s]
+///   double amount_at_failure() const                             greater than zero
 ///   static describe(Schema<LawType>&), which calls describe_damage
+/// A law whose amount does not grow in proportion to the plastic strain hides `growth`.
 template <class LawType>
 class AccumulatedDamage : public PointwiseErosion<LawType> {
  public:
@@ -71,8 +68,11 @@ class AccumulatedDamage : public PointwiseErosion<LawType> {
     // What plastic strain there is before the first step has done no damage.
     const bool has_seen = state.last_plastic_strain >= 0.0;
     const double d = select(has_seen, max_of(strain - state.last_plastic_strain, 0.0), 0.0);
-    const double growth =
-        law.growth(in, reads, {d / length_factor(in.initial_length), d / (in.dt + tiny<double>)}, state);
+    // By the rule of the trapezium: the state of stress may change much within a step.
+    const double pace = law.pace(in, reads, d / (in.dt + tiny<double>));
+    const double mean = 0.5 * (pace + select(has_seen, state.pace, pace));
+    const double growth = law.growth(in, mean * d / length_factor(in.initial_length), state);
+    state.pace = pace;
     const bool is_local = !(nonlocal_radius > 0.0);
     const double reached = state.amount + select(is_local, growth, 0.0);
     state.increment = select(is_local, 0.0, growth);
@@ -88,6 +88,8 @@ class AccumulatedDamage : public PointwiseErosion<LawType> {
     return {state.amount, select(damage >= 1.0, 1.0, 0.0), kept, kept};
   }
 
+  /// Increment of the amount, from that of an amount in proportion to the plastic strain.
+  double growth(const Point&, double way, DamageState&) const { return way; }
   /// The damage at which softening begins; 1 or more: not yet.
   double softening_begins(const DamageState&) const { return max_of(critical_damage, 0.0); }
 
@@ -114,6 +116,8 @@ class AccumulatedDamage : public PointwiseErosion<LawType> {
             "plastic strain at which softening by a fracture energy began; negative before that");
     s.state(&DamageState::onset_stress, prefix + "_onset_stress", "Pa", 0.0,
             "equivalent stress at which softening by a fracture energy began");
+    s.state(&DamageState::pace, prefix + "_pace", unit, 0.0,
+            "what is added per plastic strain, as at the end of the last step");
     s.reads(&DamageReads::effective_plastic_strain, "effective_plastic_strain",
             "equivalent plastic strain of the material");
   }

@@ -19,9 +19,7 @@ struct CockcroftLatham final : AccumulatedDamage<CockcroftLatham> {
                     "integral of the positive largest principal stress over plastic strain", "cockcroft_latham");
   }
   double amount_at_failure() const { return limit; }
-  double growth(const Point& in, const Reads&, const DamageStep& step, State&) const {
-    return max_of(largest_principal(in.stress), 0.0) * step.strain;
-  }
+  double pace(const Point& in, const Reads&, double) const { return max_of(largest_principal(in.stress), 0.0); }
 };
 
 }  // namespace

@@ -60,11 +60,13 @@ struct DuctileDamage final : AccumulatedDamage<DuctileDamage> {
     if (critical_strain.empty()) return max_of(critical_damage, 0.0);
     return select(state.instability >= 1.0, state.damage_at_instability, 1.0);
   }
-  double growth(const Point& in, const Reads&, const DamageStep& step, State& state) const {
-    const double eta = triaxiality(in);
-    const double before = root(state.amount), way = step.strain / at(failure_strain, eta);
+  double pace(const Point& in, const Reads&, double) const { return 1.0 / at(failure_strain, triaxiality(in)); }
+  /// `way` is the plastic strain of the step over the failure strain.
+  double growth(const Point& in, double way, State& state) const {
+    const double before = root(state.amount);
     if (!critical_strain.empty()) {
-      const double unstable = root(state.instability), closer = step.strain / at(critical_strain, eta);
+      const double eta = triaxiality(in), unstable = root(state.instability);
+      const double closer = way * at(failure_strain, eta) / at(critical_strain, eta);
       const bool arrives = unstable < 1.0 && unstable + closer >= 1.0;
       // The damage at the moment of the step at which the instability is 1.
       const double share = clamp_to((1.0 - unstable) / (closer + tiny<double>), 0.0, 1.0);

@@ -47,15 +47,15 @@ struct JohnsonCookDamage final : AccumulatedDamage<JohnsonCookDamage> {
   }
 
   double amount_at_failure() const { return 1.0; }
-  double growth(const Point& in, const Reads& reads, const DamageStep& step, State&) const {
-    const double rate = max_of(step.rate / reference_rate, 1.0);
+  double pace(const Point& in, const Reads& reads, double plastic_rate) const {
+    const double rate = max_of(plastic_rate / reference_rate, 1.0);
     const double heat = clamp_to((reads.temperature - reference_temperature) /
                                      (max_of(melting_temperature - reference_temperature, 0.0) + tiny<double>),
                                  0.0, 1.0);
     const double strain =
         max_of((D1 + D2 * kerf::exp(D3 * triaxiality(in))) * (1.0 + D4 * positive_log(rate)) * (1.0 + D5 * heat),
                least_failure_strain);
-    return step.strain / strain;
+    return 1.0 / strain;
   }
 };
 

@@ -25,9 +25,7 @@ struct RiceTracey final : AccumulatedDamage<RiceTracey> {
     describe_damage(s, "void_growth", "-", "ln R/R0, logarithm of the growth of voids", "void_growth");
   }
   double amount_at_failure() const { return limit; }
-  double growth(const Point& in, const Reads&, const DamageStep& step, State&) const {
-    return coefficient * kerf::exp(1.5 * triaxiality(in)) * step.strain;
-  }
+  double pace(const Point& in, const Reads&, double) const { return coefficient * kerf::exp(1.5 * triaxiality(in)); }
 };
 
 /// D' = ep' / ef with ef = nucleation_strain + growth_strain exp(-1.5 eta). D = 1 is failure, or where softening
@@ -46,8 +44,8 @@ struct HancockMackenzie final : AccumulatedDamage<HancockMackenzie> {
                     "hancock_mackenzie");
   }
   double amount_at_failure() const { return 1.0; }
-  double growth(const Point& in, const Reads&, const DamageStep& step, State&) const {
-    return step.strain / (nucleation_strain + growth_strain * kerf::exp(-1.5 * triaxiality(in)));
+  double pace(const Point& in, const Reads&, double) const {
+    return 1.0 / (nucleation_strain + growth_strain * kerf::exp(-1.5 * triaxiality(in)));
   }
 };
 

@@ -1,4 +1,5 @@
 // Erosion criteria at a point.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -170,6 +171,138 @@ TEST(JohnsonCookDamage, leaves_the_stress_alone_unless_asked_and_does_not_heal) 
     EXPECT_NEAR(v.value, 0.4, 1e-15);
     EXPECT_EQ(v.strength, 1.0);
   }
+}
+
+TEST(MaximumShear, is_of_the_tensor_or_twice_that) {
+  ErosionInputPoint in;
+  in.strain_increment = {0.0, 0.0, 0.0, 0.05, 0.0, 0.0};  // an angle that changes by 0.1
+  auto tensor = make_point("maximum_shear", "{limit: 0.05, measure: tensor}");
+  auto engineering = make_point("maximum_shear", "{limit: 0.1001, measure: engineering}");
+  EXPECT_NEAR(tensor.judge(in).value, 0.05, 1e-9);  // square root of round-off where two principal values coincide
+  EXPECT_NEAR(engineering.judge(in).value, 0.1, 1e-9);
+  EXPECT_EQ(engineering.judge(in).failed, 1.0);
+}
+
+TEST(VolumetricStrain, has_a_limit_on_either_side) {
+  auto point = make_point("volumetric_strain", "{tension_limit: 0.1, compression_limit: 0.2}");
+  ErosionInputPoint in;
+  const auto failed = [&](double ratio) {
+    in.volume_ratio = ratio;
+    return point.judge(in).failed;
+  };
+  EXPECT_EQ(failed(std::exp(0.0999)), 0.0);
+  EXPECT_EQ(failed(std::exp(0.1001)), 1.0);
+  EXPECT_EQ(failed(std::exp(-0.1999)), 0.0);
+  EXPECT_EQ(failed(std::exp(-0.2001)), 1.0);
+  EXPECT_EQ(failed(-1.0), 1.0);
+  auto tension = make_point("volumetric_strain", "{tension_limit: 0.1}");
+  in.volume_ratio = 0.01;
+  EXPECT_EQ(tension.judge(in).failed, 0.0);
+  EXPECT_THAT(kerf::test::refusal("erosion", "volumetric_strain", "{}"),
+              testing::HasSubstr("expected a tension_limit, a compression_limit, or both"));
+}
+
+TEST(MinimumPressure, fails_below_a_negative_limit) {
+  auto point = make_point("minimum_pressure", "{limit: -1 GPa}");
+  ErosionInputPoint in;
+  in.pressure = -1e9;
+  EXPECT_EQ(point.judge(in).failed, 0.0);
+  in.pressure = -1.0000001e9;
+  EXPECT_EQ(point.judge(in).failed, 1.0);
+  EXPECT_NE(kerf::test::refusal("erosion", "minimum_pressure", "{limit: 1 GPa}"), "");
+}
+
+TEST(Melt, compares_with_the_user_or_with_a_law) {
+  auto given = make_point("melt", "{melting_temperature: 1356 K}");
+  EXPECT_EQ(given.judge({}, {1355.9, 100.0}).failed, 0.0);
+  EXPECT_EQ(given.judge({}, {1356.0, 9000.0}).failed, 1.0);
+  auto read = make_point("melt", "{}");
+  EXPECT_EQ(read.judge({}, {1500.0, 1600.0}).failed, 0.0);
+  EXPECT_EQ(read.judge({}, {1600.0, 1600.0}).failed, 1.0);
+  const auto reads = [](const std::string& parameters) {
+    return make_law<ErosionCriterion>("erosion", "melt", parameters)->reads();
+  };
+  ASSERT_EQ(reads("{}").size(), 2u);  // without a law that keeps it the input is refused
+  EXPECT_EQ(reads("{}")[1].name, "melting_temperature");
+  EXPECT_EQ(reads("{melting_temperature: 1356 K}")[1].name, "temperature");
+}
+
+TEST(TulerButcher, counts_time_above_the_threshold) {
+  auto point = make_point("tuler_butcher", "{threshold_stress: 1 GPa, exponent: 2, limit: 1.0e+12}");
+  ErosionInputPoint in;
+  in.dt = 1e-7;
+  in.stress = {0.9e9, 0.0, 0.0, 0.0, 0.0, 0.0};
+  EXPECT_EQ(point.judge(in).value, 0.0);
+  in.stress.xx = 3e9;  // 4e18 Pa2
+  EXPECT_NEAR(point.judge(in).value, 4e11, 1e3);
+  EXPECT_EQ(point.judge(in).failed, 0.0);
+  EXPECT_EQ(point.judge(in).failed, 1.0);
+}
+
+TEST(AccumulatedDamage, begins_to_soften_within_a_step) {
+  // One step over the onset: 0.04 of the plastic strain come after it.
+  auto point = make_point("ductile_damage", "{failure_strain: 0.1, softening: linear, fracture_energy: 10 kJ/m2}");
+  ErosionInputPoint in;
+  in.dt = 1e-6;
+  in.stress = {0.0, 0.0, 0.0, 500e6 / std::sqrt(3.0), 0.0, 0.0};
+  EXPECT_EQ(point.judge(in, 0.0).strength, 1.0);
+  const Verdict v = point.judge(in, 0.14);
+  EXPECT_NEAR(v.value, 500e6 * 1e-3 * 0.04 / (2.0 * 10e3), 1e-12);
+  EXPECT_NEAR(v.strength, 1.0 - v.value, 1e-15);
+  EXPECT_EQ(v.compression, 1.0);
+  EXPECT_EQ(point.judge(in, 0.1 + 0.989 * 0.04).failed, 0.0);
+  EXPECT_EQ(point.judge(in, 0.1 + 0.9901 * 0.04).failed, 1.0);
+}
+
+TEST(AccumulatedDamage, keys_without_effect_are_refused) {
+  const auto refusal = [](const std::string& keys) {
+    return kerf::test::refusal("erosion", "johnson_cook_damage", "{D1: 1, D2: 0, D3: 0, " + keys + "}");
+  };
+  EXPECT_EQ(refusal("softening: stress, critical_damage: 0.5"), "");
+  EXPECT_THAT(refusal("critical_damage: 0"), testing::HasSubstr("acts with `softening: stress` only"));
+  EXPECT_THAT(refusal("softening_exponent: 1"), testing::HasSubstr("acts with `softening: stress` only"));
+  EXPECT_THAT(refusal("softening: linear"), testing::HasSubstr("go together"));
+  EXPECT_THAT(refusal("fracture_energy: 1 J/m2"), testing::HasSubstr("go together"));
+  EXPECT_THAT(refusal("nonlocal_weight: bell"), testing::HasSubstr("with nonlocal_radius only"));
+  EXPECT_THAT(refusal("element_lengths: [1 mm]"), testing::HasSubstr("equal number"));
+  EXPECT_THAT(refusal("softening_at_deletion: 0.9"), testing::HasSubstr("only"));
+}
+
+TEST(DuctileDamage, finds_the_failure_strain_between_triaxialities) {
+  auto point = make_point("ductile_damage", "{triaxialities: [0, 0.5, 1], failure_strain: [1, 0.5, 0.1]}");
+  ErosionInputPoint in;
+  in.dt = 1e-6;
+  in.stress = {3e8, 0.0, 0.0, 0.0, 0.0, 0.0};
+  const auto damage_at = [&](double eta, double strain) {
+    in.pressure = -eta * 3e8;
+    return point.judge(in, strain).value;
+  };
+  damage_at(0.25, 0.0);
+  EXPECT_NEAR(damage_at(0.25, 0.1), 0.1 / 0.75, 1e-14);
+  damage_at(0.75, 0.1);  // the state of stress changes, and nothing flows
+  EXPECT_NEAR(damage_at(0.75, 0.13), 0.1 / 0.75 + 0.03 / 0.3, 1e-14);
+  damage_at(5.0, 0.13);
+  EXPECT_NEAR(damage_at(5.0, 0.15), 0.1 / 0.75 + 0.03 / 0.3 + 0.02 / 0.1, 1e-14);
+}
+
+TEST(ModifiedJohnsonCookDamage, waits_for_its_threshold_and_speeds_itself_up) {
+  // Failure strain 0.5: with D' = 0.6 p' / (0.5 - 0.1) beyond p = 0.1 and p' = r' / (1 - D), (1 - D)^2 = 1 - 3 (r -
+  // 0.1).
+  auto point = make_point("modified_johnson_cook_damage",
+                          "{D1: 0.5, D2: 0, D3: 0, critical_damage: 0.6, threshold_strain: 0.1, reference_rate: 1}");
+  ErosionInputPoint in;
+  in.dt = 1.0;
+  point.judge(in, {0.0, 0.0});
+  EXPECT_EQ(point.judge(in, {0.09, 0.0}).value, 0.0);
+  for (const double r : {0.15, 0.2, 0.3}) {
+    const Verdict v = point.judge(in, {r, 0.0});
+    EXPECT_NEAR(v.value, 1.0 - std::sqrt(1.0 - 3.0 * (r - 0.1)), 1e-14);
+    EXPECT_EQ(v.strength, 1.0 - v.value);
+    EXPECT_EQ(v.compression, v.strength);
+    EXPECT_EQ(v.failed, 0.0);
+    EXPECT_NEAR(point.state("damaged_plastic_strain"), 0.1 + v.value / 1.5, 1e-14);
+  }
+  EXPECT_EQ(point.judge(in, {0.4, 0.0}).failed, 1.0);
 }
 
 }  // namespace

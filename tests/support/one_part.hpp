@@ -15,8 +15,8 @@
 #include "input/model_input.hpp"
 #include "kerf/element.hpp"
 #include "model/law_reads.hpp"
+#include "model/law_variables.hpp"
 #include "model/part_store.hpp"
-#include "model/setup.hpp"
 #include "support/make_law.hpp"
 
 namespace kerf::test {

@@ -1,5 +1,5 @@
 // Parsing by descent, the check of dimensions, and the stack machine.
-#include "erosion/condition.hpp"
+#include "core/condition.hpp"
 
 #include <fmt/format.h>
 
@@ -20,9 +20,9 @@ bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0;
 
 }  // namespace
 
-class ExpressionParser {
+class ConditionParser {
  public:
-  ExpressionParser(const std::string& text, Condition& out) : text_(text), out_(out) {}
+  ConditionParser(const std::string& text, Condition& out) : text_(text), out_(out) {}
 
   void parse() {
     try {
@@ -253,9 +253,9 @@ class ExpressionParser {
 };
 
 /// Runs the program with dimensions in place of values.
-class DimensionCheck {
+class ConditionUnits {
  public:
-  DimensionCheck(const Condition& expression, std::vector<std::optional<BaseExponents>> variables)
+  ConditionUnits(const Condition& expression, std::vector<std::optional<UnitExponents>> variables)
       : expression_(expression), variables_(std::move(variables)) {}
 
   std::vector<Condition::Fault> run() {
@@ -271,7 +271,7 @@ class DimensionCheck {
   enum class Kind { condition, quantity, any };
   struct Value {
     Kind kind = Kind::any;
-    BaseExponents dimension{};
+    UnitExponents dimension{};
     std::optional<double> number = {};  // where it stands in the text
   };
 
@@ -292,7 +292,7 @@ class DimensionCheck {
   void need_condition(const Value& v, int offset) {
     if (v.kind == Kind::quantity) fault(offset, "expected conditions at this operator, and one side is a number");
   }
-  static std::string text(const BaseExponents& d) {
+  static std::string text(const UnitExponents& d) {
     static const char* const names[] = {"m", "kg", "s", "A", "K", "mol", "cd"};
     std::string all;
     for (std::size_t k = 0; k < d.size(); ++k)
@@ -309,7 +309,7 @@ class DimensionCheck {
     return {Kind::quantity, a.dimension, {}};
   }
   void need_no_dimension(const Value& v, int offset, const char* what) {
-    if (v.kind == Kind::quantity && v.dimension != BaseExponents{})
+    if (v.kind == Kind::quantity && v.dimension != UnitExponents{})
       fault(offset, fmt::format("{} takes a number without unit, and this has {}", what, text(v.dimension)));
   }
 
@@ -367,7 +367,7 @@ class DimensionCheck {
   Value raised(const Value& a, const Value& b, int offset) {
     need_no_dimension(b, offset, "an exponent");
     if (a.kind == Kind::any) return {};
-    if (a.dimension != BaseExponents{} && !b.number) {
+    if (a.dimension != UnitExponents{} && !b.number) {
       fault(offset, "a quantity with a unit is raised to a power that is not written as a number");
       return {};
     }
@@ -377,24 +377,24 @@ class DimensionCheck {
   }
 
   const Condition& expression_;
-  std::vector<std::optional<BaseExponents>> variables_;
+  std::vector<std::optional<UnitExponents>> variables_;
   std::vector<Value> stack_;
   std::vector<Condition::Fault> faults_;
 };
 
-Condition::Condition(const std::string& text) { ExpressionParser(text, *this).parse(); }
+Condition::Condition(const std::string& text) { ConditionParser(text, *this).parse(); }
 
 std::vector<Condition::Fault> Condition::faults(
     const std::function<std::optional<std::string>(const std::string&)>& unit_of) const {
   if (syntax_) return {*syntax_};
   if (program_.empty()) return {{0, "expected a condition, such as \"damage > 0.9\""}};
-  std::vector<std::optional<BaseExponents>> dimensions;
+  std::vector<std::optional<UnitExponents>> dimensions;
   for (const Variable& v : variables_) {
     const auto unit = unit_of(v.name);
     const auto base = unit ? unit_in_base(*unit) : std::nullopt;
     dimensions.push_back(base ? std::optional(base->exponents) : std::nullopt);
   }
-  return DimensionCheck(*this, std::move(dimensions)).run();
+  return ConditionUnits(*this, std::move(dimensions)).run();
 }
 
 void Condition::evaluate(const double* const* rows, double (&out)[lane_width]) const {

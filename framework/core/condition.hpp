@@ -1,4 +1,4 @@
-// Expressions of named quantities that a user writes, such as "damage > 0.9 and pressure < -1.2 GPa": parsed and
+// Conditions of named quantities that a user writes, such as "damage > 0.9 and pressure < -1.2 GPa": parsed and
 // checked once, with their units, then evaluated for blocks of points without allocation.
 //
 // Numbers may carry a unit, written without spaces: "1.2 GPa", "5 J/m2", "3 1/s". A number without a unit is in SI and
@@ -73,11 +73,11 @@ class Condition {
     double value = 0.0;  // of a number, in SI units
     int variable = 0;  // which
     bool has_unit = false;
-    BaseExponents dimension{};  // of a number with a unit
+    UnitExponents dimension{};  // of a number with a unit
   };
   static constexpr int most_depth = 32;  // of the stack
-  friend class ExpressionParser;
-  friend class DimensionCheck;
+  friend class ConditionParser;
+  friend class ConditionUnits;
 
   std::vector<Instruction> program_;  // in the order of a stack machine
   std::vector<Variable> variables_;
