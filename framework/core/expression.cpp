@@ -279,9 +279,10 @@ class Reader {
   std::string unknown(const std::string& name) const {
     std::string list;
     for (const std::string& v : variables_) list += (list.empty() ? "" : ", ") + v;
-    const std::string near = nearest_name(name, variables_);
-    return fmt::format("there is no variable `{}`{}; the variables are {}", name,
-                       near.empty() ? "" : ", did you mean " + near + "?", list);
+    // All short names are near to each other.
+    const std::string near = name.size() > 2 ? nearest_name(name, variables_) : "";
+    return fmt::format("there is no variable `{}`; {}", name,
+                       near.empty() ? "the variables are " + list : "did you mean " + near + "?");
   }
   void call(const std::string& name, std::size_t start) {
     const auto* f = std::find_if(std::begin(functions), std::end(functions),
