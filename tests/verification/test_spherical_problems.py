@@ -59,9 +59,10 @@ def cavity(kerf, cells):
 def test_a_pressed_cavity_converges_to_blakes_solution(kerf):
     coarse, fine = cavity(kerf, 50), cavity(kerf, 200)
     print("errors", coarse, fine)
-    assert fine < 0.01
-    # The front is a kink of the displacement, where no scheme exceeds the first order.
-    assert np.log(coarse / fine) / np.log(4) > 0.9
+    # Measured 0.018 % of the greatest displacement, from 0.39 %: the second order, of which the front takes nothing
+    # where the table has no point near it.
+    assert fine < 1e-3
+    assert np.log(coarse / fine) / np.log(4) > 1.5
 
 
 def collapse(kerf, cells):
@@ -82,9 +83,11 @@ def test_a_collapsing_shell_stops_where_its_energy_is_spent(kerf):
         energy = run.summary["energy"]
         print(cells, r.min(), r.max(), energy)
         assert abs(energy["balance_error"]) < 1e-3
-        assert energy["kinetic"] < 0.01 * energy["initial"]
+        # Elastic ringing about the state of rest is what is left: 1e-4 and less.
+        assert energy["kinetic"] < 1e-3 * energy["initial"]
+        assert energy["internal"] == pytest.approx(energy["initial"], rel=2e-3)  # hourglass and viscosity take the rest
     # The exact solution has neither elastic strain nor compression: both are about Y / K = 0.25 % here.
-    assert errors[1][0] < 0.01 and errors[1][1] < 0.005
+    assert errors[1][0] < 0.0025 and errors[1][1] < 0.0025
 
 
 def gas(gamma):
@@ -95,39 +98,59 @@ def gas(gamma):
 LOOSE = {"maximum_speed": 1e4, "energy_growth": 1e12}  # the gas at rest holds no energy to compare with
 
 
-def test_converging_gas_is_stopped_at_the_centre(kerf):
-    """Noh's problem in an eighth of a sphere: behind a shock at t/3 the density is 64."""
-    mesh = {"type": "sphere", "radius": 1.0, "core_cells": 11, "ring_cells": 9, "sector": "eighth"}
+def noh(kerf, cells):
+    """Density by radius at the time 0.6 of Noh's problem, in columns whose inmost hundredth is a rigid ball."""
+    mesh, planes = column(0.01, 1.0, cells, 400 / cells)
     cold = gas(5 / 3)
     cold["eos"]["initial_energy"] = 1e-6
-    run = kerf(model(cold, mesh, [{"type": "initial_velocity", "radial_speed": -1.0}] + cut_off("x", "y", "z"), 0.6,
-                     checks=LOOSE))
+    ball = {"type": "fixed", "nodes": "tip"}
+    run = kerf(model(cold, mesh, [{"type": "initial_velocity", "radial_speed": -1.0}] + planes + [ball], 0.6,
+                     sets={"tip": {"face": "inner"}}, checks=LOOSE))
+    assert abs(run.summary["energy"]["balance_error"]) < 1e-3
     r, density = radii(run.results.centres(-1)), run.results.cell("density", -1)
-    behind, ahead = (r > 0.1) & (r < 0.16), (r > 0.3) & (r < 0.38)
-    print(behind.sum(), density[behind].mean(), density[r < 0.18].max(), (density[ahead] * (r[ahead]**2 / (r[ahead] + 0.6)**2)).mean())
-    assert behind.sum() > 20
-    assert density[behind].mean() == pytest.approx(64, rel=0.1)
-    # Ahead of the shock the gas flows freely: (1 + t/r)^2.
-    assert density[ahead] == pytest.approx((1 + 0.6 / r[ahead])**2, rel=0.05)
+    order = np.argsort(r)
+    return lambda at: np.interp(at, r[order], density[order])
+
+
+def test_converging_gas_is_stopped_at_the_centre(kerf):
+    """Behind a shock at t/3 the density is 64; ahead of it the gas flows freely, with (1 + t/r)^2."""
+    coarse, fine = noh(kerf, 100), noh(kerf, 200)
+    behind, ahead = np.linspace(0.12, 0.18, 20), np.linspace(0.25, 0.35, 20)
+    low = [1 - density(behind).mean() / 64 for density in (coarse, fine)]
+    print("Noh:", low)
+    # Viscosity heats the gas at the centre too much while the shock forms there, and the density is too low for as many
+    # cells as hold that gas (Noh 1987): an error of the first order in the cell size, which falls by half.
+    assert low[1] < 0.15
+    assert low[0] / low[1] > 1.6
+    assert 64 * (1 - 2 * low[1] + low[0]) == pytest.approx(64, rel=0.05)  # without the first order
+    assert fine(ahead) == pytest.approx((1 + 0.6 / ahead)**2, rel=0.01)
+    # Half-way up the shock, which is spread over three cells of 5 mm.
+    at = np.linspace(0.15, 0.3, 1000)
+    assert at[np.argmin(np.abs(fine(at) - 40))] == pytest.approx(0.2, abs=0.015)
 
 
 def test_a_point_blast_spreads_as_sedov_says(kerf):
-    cells = 20
+    """Energy in the central eight cells of an eighth of a sphere drives a shock that reaches the radius 1 at the time 1."""
     mesh = {"type": "sphere", "radius": 1.2, "core_cells": 13, "ring_cells": 11, "sector": "eighth"}
     h = 1.2 / 24
-    hot = {"centre": {"box": [0, 0, 0, 1.01 * h, 1.01 * h, 1.01 * h]}}
-    first = kerf(model(gas(1.4), mesh, cut_off("x", "y", "z"), 1e-9, sets=hot, checks=LOOSE,
-                       initial_state=[{"elements": "centre", "variable": "specific_energy", "value": "1 J/kg"}]))
-    energy = 0.851071859 / 8 / first.summary["energy"]["initial"]
-    run = kerf(model(gas(1.4), mesh, cut_off("x", "y", "z"), 1.0, sets=hot, checks=LOOSE,
-                     initial_state=[{"elements": "centre", "variable": "specific_energy", "value": energy}]))
-    r, density, pressure = radii(run.results.centres(-1)), run.results.cell("density", -1), run.results.cell("pressure", -1)
+    hot = {"centre": {"box": [0, 0, 0, 2.05 * h, 2.05 * h, 2.05 * h]}}
+
+    def blast(energy, end):
+        return kerf(model(gas(1.4), mesh, cut_off("x", "y", "z"), end, sets=hot, checks=LOOSE,
+                          initial_state=[{"elements": "centre", "variable": "specific_energy", "value": energy}]))
+
+    # As much energy per mass as makes the exact energy: the mass of the cells is known from a first run.
+    run = blast(0.851071859 / 8 / blast(1.0, 1e-9).summary["energy"]["initial"], 1.0)
+    r, density = radii(run.results.centres(-1)), run.results.cell("density", -1)
+    pressure = run.results.cell("pressure", -1)
     exact = np.loadtxt(EXACT / "sedov_sph_gamma1.4.csv", delimiter=",")
-    bins = np.arange(0.3, 1.2, h)
+    bins = np.arange(0.6, 1.2, h)
     mean = np.array([density[(r >= a) & (r < a + h)].mean() for a in bins])
     front = bins[np.argmax(mean)] + h / 2
     inside = (r > 0.4) & (r < 0.7)
     exact_p = np.interp(r[inside], exact[:, 0], exact[:, 3])
-    print(energy, front, mean, np.abs(pressure[inside] / exact_p - 1).mean(), run.summary["energy"], cells)
-    assert front == pytest.approx(1.0, abs=1.5 * h)
+    print("Sedov:", front, mean, pressure[inside].mean() / exact_p.mean(), run.summary["energy"])
+    # The density peaks one cell behind the front, which three cells spread.
+    assert front == pytest.approx(1.0 - h, abs=h)
     assert pressure[inside].mean() == pytest.approx(exact_p.mean(), rel=0.1)
+    assert abs(run.summary["energy"]["balance_error"]) < 0.03
