@@ -25,8 +25,8 @@ def radii(points):
     return np.linalg.norm(points, axis=1)
 
 
-def model(material, mesh, boundaries, end, **more):
-    return {"title": "spherical", "time": {"end": end}, "materials": {"m": material},
+def model(material, mesh, boundaries, end, factor=0.9, **more):
+    return {"title": "spherical", "time": {"end": end, "safety_factor": factor}, "materials": {"m": material},
             "parts": {"body": {"material": "m", "mesh": mesh}}, "boundaries": boundaries,
             "output": {"results_interval": end, "precision": "double",
                        "element_fields": ["density", "pressure"], "node_fields": ["velocity", "displacement"]}, **more}
@@ -58,7 +58,7 @@ def cavity(kerf, cells):
 
 def test_a_pressed_cavity_converges_to_blakes_solution(kerf):
     coarse, fine = cavity(kerf, 50), cavity(kerf, 200)
-    print("errors", coarse, fine)
+    print("Blake:", coarse, fine)
     # Measured 0.018 % of the greatest displacement, from 0.39 %: the second order, of which the front takes nothing
     # where the table has no point near it.
     assert fine < 1e-3
@@ -81,7 +81,7 @@ def test_a_collapsing_shell_stops_where_its_energy_is_spent(kerf):
         run, r = collapse(kerf, cells)
         errors.append((abs(r.min() / 0.04 - 1), abs(r.max() / 0.08203132 - 1)))
         energy = run.summary["energy"]
-        print(cells, r.min(), r.max(), energy)
+        print("Verney:", cells, r.min(), r.max(), energy["kinetic"] / energy["initial"])
         assert abs(energy["balance_error"]) < 1e-3
         # Elastic ringing about the state of rest is what is left: 1e-4 and less.
         assert energy["kinetic"] < 1e-3 * energy["initial"]
@@ -136,7 +136,9 @@ def test_a_point_blast_spreads_as_sedov_says(kerf):
     hot = {"centre": {"box": [0, 0, 0, 2.05 * h, 2.05 * h, 2.05 * h]}}
 
     def blast(energy, end):
-        return kerf(model(gas(1.4), mesh, cut_off("x", "y", "z"), end, sets=hot, checks=LOOSE,
+        # The hot cells grow a thousandfold in volume, many times in few steps: at the usual factor of 0.9 the balance
+        # of energy is 4 % off.
+        return kerf(model(gas(1.4), mesh, cut_off("x", "y", "z"), end, sets=hot, checks=LOOSE, factor=0.3,
                           initial_state=[{"elements": "centre", "variable": "specific_energy", "value": energy}]))
 
     # As much energy per mass as makes the exact energy: the mass of the cells is known from a first run.
@@ -150,7 +152,8 @@ def test_a_point_blast_spreads_as_sedov_says(kerf):
     inside = (r > 0.4) & (r < 0.7)
     exact_p = np.interp(r[inside], exact[:, 0], exact[:, 3])
     print("Sedov:", front, mean, pressure[inside].mean() / exact_p.mean(), run.summary["energy"])
-    # The density peaks one cell behind the front, which three cells spread.
-    assert front == pytest.approx(1.0 - h, abs=h)
-    assert pressure[inside].mean() == pytest.approx(exact_p.mean(), rel=0.1)
-    assert abs(run.summary["energy"]["balance_error"]) < 0.03
+    # To one cell; the front is spread over three.
+    assert front == pytest.approx(1.0, abs=h)
+    # The heat is spread over a tenth of the radius and not over a point; measured 9 % low.
+    assert pressure[inside].mean() == pytest.approx(exact_p.mean(), rel=0.12)
+    assert abs(run.summary["energy"]["balance_error"]) < 0.01
