@@ -68,7 +68,8 @@ def test_a_pressed_cavity_converges_to_blakes_solution(kerf):
 def collapse(kerf, cells):
     """Verney's problem: a plastic shell flows inwards without change of volume until all its energy is plastic work."""
     mesh, planes = column(0.08, 0.10, cells, 3)
-    beryllium = {"density": 1845, "strength": {"type": "elastic_plastic", "shear_modulus": 151e9, "yield_stress": 330e6},
+    beryllium = {"density": 1845,
+                 "strength": {"type": "elastic_plastic", "shear_modulus": 151e9, "yield_stress": 330e6},
                  "eos": {"type": "linear", "bulk_modulus": 130e9}}
     flow = {"type": "initial_velocity", "radial_speed": -619.78708, "reference_radius": 0.08, "exponent": 2}
     run = kerf(model(beryllium, mesh, [flow] + planes, 98.994e-6))
@@ -130,7 +131,7 @@ def test_converging_gas_is_stopped_at_the_centre(kerf):
 
 
 def test_a_point_blast_spreads_as_sedov_says(kerf):
-    """Energy in the central eight cells of an eighth of a sphere drives a shock that reaches the radius 1 at the time 1."""
+    """Energy in the eight central cells of an eighth of a sphere drives a shock that is at the radius 1 at the time 1."""
     mesh = {"type": "sphere", "radius": 1.2, "core_cells": 13, "ring_cells": 11, "sector": "eighth"}
     h = 1.2 / 24
     hot = {"centre": {"box": [0, 0, 0, 2.05 * h, 2.05 * h, 2.05 * h]}}
@@ -157,3 +158,28 @@ def test_a_point_blast_spreads_as_sedov_says(kerf):
     # The heat is spread over a tenth of the radius and not over a point; measured 9 % low.
     assert pressure[inside].mean() == pytest.approx(exact_p.mean(), rel=0.12)
     assert abs(run.summary["energy"]["balance_error"]) < 0.01
+
+
+def test_nodes_stay_on_planes_at_any_angle_and_bits_on_any_ranks(kerf):
+    """A shell between planes that meet at 40 and 30 degrees collapses by a formula, as by the radial power law."""
+    mesh = {"type": "spherical_sector", "inner_radius": 0.08, "outer_radius": 0.1, "angle_x": "40 deg",
+            "angle_y": "30 deg", "radial_cells": 4, "cells_x": 6, "cells_y": 5}
+    planes = cut_off("x", "y") + [
+        {"type": "symmetry", "normal": [-1, 0, 0], "axis": [0, 1, 0], "angle": "40 deg"},
+        {"type": "symmetry", "normal": [0, -1, 0], "axis": [-1, 0, 0], "angle": "30 deg"}]
+    metal = {"density": 1845, "strength": {"type": "elastic_plastic", "shear_modulus": 151e9, "yield_stress": 330e6},
+             "eos": {"type": "linear", "bulk_modulus": 130e9}}
+    formula = {"type": "initial_velocity",
+               "expression": [f"-$u0 * (80 mm / r)^2 * {c} / r" for c in ("x", "y", "z")]}
+    power = {"type": "initial_velocity", "radial_speed": "-620 m/s", "reference_radius": "80 mm", "exponent": 2}
+    runs = [kerf(model(metal, mesh, [flow] + planes, 3e-5, parameters={"u0": "620 m/s"}), ranks=ranks)
+            for flow, ranks in ((formula, 1), (formula, 3), (power, 1))]
+    assert runs[0].summary["state_hash"] == runs[1].summary["state_hash"]
+    start, end = runs[0].results.points(0), [run.results.points(-1) for run in runs]
+    assert end[2] == pytest.approx(end[0], abs=1e-9)  # the same velocities but for the last bit
+    for axis, angle in ((0, 40), (1, 30)):
+        slope = np.tan(np.radians(angle))
+        on = np.abs(start[:, axis] - slope * start[:, 2]) < 1e-7  # points are written in single precision
+        assert on.sum() == 5 * (6 if axis == 0 else 7)
+        # Rounding of 0.1 m to single precision.
+        assert np.abs(end[0][on, axis] - slope * end[0][on, 2]).max() < 2e-8
