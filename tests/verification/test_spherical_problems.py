@@ -131,7 +131,7 @@ def test_converging_gas_is_stopped_at_the_centre(kerf):
 
 
 def test_a_point_blast_spreads_as_sedov_says(kerf):
-    """Energy in the eight central cells of an eighth of a sphere drives a shock that is at the radius 1 at the time 1."""
+    """Energy in the eight central cells of an eighth of a sphere drives a shock to the radius 1 at the time 1."""
     mesh = {"type": "sphere", "radius": 1.2, "core_cells": 13, "ring_cells": 11, "sector": "eighth"}
     h = 1.2 / 24
     hot = {"centre": {"box": [0, 0, 0, 2.05 * h, 2.05 * h, 2.05 * h]}}
