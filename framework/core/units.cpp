@@ -217,7 +217,9 @@ Quantity to_si_of_any_kind(double number, const std::string& unit) {
   if (!from || !may_start_unit(unit)) return {0.0, fmt::format("\"{}\" has the unknown unit \"{}\"", text, unit)};
   for (const auto& [si_unit, name] : quantities) {
     const Unit to(ut_parse(unit_system(), std::string(si_unit).c_str(), UT_UTF8));
-    if (ut_are_convertible(from.get(), to.get())) return converted(text, number, unit, std::string(si_unit));
+    if (!ut_are_convertible(from.get(), to.get())) continue;
+    const Quantity q = converted(text, number, unit, std::string(si_unit));
+    if (q.ok()) return q;  // udunits2 takes a rate for a time as well, which converted() refuses
   }
   return {0.0, fmt::format("\"{}\" has a unit of no quantity that Kerf knows", text)};
 }

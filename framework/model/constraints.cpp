@@ -11,6 +11,39 @@
 
 namespace kerf {
 
+namespace {
+
+/// The planes of symmetry that a node has met. Projecting on one plane after another would leave the first unless they
+/// are at right angles; projecting along what a normal has beyond the normals before it stays on all of them.
+class MirrorPlanes {
+ public:
+  /// Whether all normals so far are at right angles, up to round-off.
+  bool upright() const { return upright_; }
+  /// Takes a further normal, of any length.
+  void add(Vec3 normal) {
+    normal = normal * (1.0 / norm(normal));
+    Vec3 beyond = normal;
+    for (int k = 0; k < n_; ++k) beyond = beyond - along_[k] * dot(beyond, along_[k]);
+    const double size = norm(beyond);
+    // Two planes that differ by less than this are one plane.
+    constexpr double one_plane = 1e-6;
+    for (int k = 0; k < n_; ++k) upright_ = upright_ && std::fabs(dot(normal, along_[k])) < 1e-15;
+    if (n_ < 3 && size > one_plane) along_[n_++] = beyond * (1.0 / size);
+  }
+  /// The part of a velocity along all planes.
+  Vec3 slide(Vec3 v) const {
+    for (int k = 0; k < n_; ++k) v = v - along_[k] * dot(v, along_[k]);
+    return v;
+  }
+
+ private:
+  Vec3 along_[3];
+  int n_ = 0;
+  bool upright_ = true;
+};
+
+}  // namespace
+
 void Constraints::resolve(const Model& model) {
   constrained_.clear();
   const auto& boundaries = model.input->boundaries;
@@ -19,6 +52,7 @@ void Constraints::resolve(const Model& model) {
   lists_ = {};
   near_.assign(boundaries.empty() ? 0 : static_cast<std::size_t>(model.nodes.n()), 0);
   always_ = near_;
+  on_oblique_planes_.assign(near_.size(), 0);
   std::vector<std::int32_t> always, near;
   for (std::size_t i = 0; i < near_.size(); ++i) {
     always.clear();
@@ -34,6 +68,13 @@ void Constraints::resolve(const Model& model) {
     if (!near.empty()) near_[i] = lists_.number(near);
     if (always.empty()) continue;
     always_[i] = lists_.number(always);
+    MirrorPlanes planes;
+    for (const std::int32_t b : always) {
+      const auto& boundary = *boundaries[static_cast<std::size_t>(b)];
+      if (boundary.mirrors(model.nodes.reference_position(static_cast<std::int32_t>(i))))
+        planes.add(boundary.region(0.0).normal);
+    }
+    if (!planes.upright()) on_oblique_planes_[i] = 1;
     constrained_.push_back(static_cast<std::int32_t>(i));
   }
 }
@@ -46,12 +87,16 @@ std::vector<HalfSpace> Constraints::regions(const Model& model, const Step& step
 
 void Constraints::initialise(Model& model) const {
   const auto& boundaries = model.input->boundaries;
+  std::vector<MirrorPlanes> met(static_cast<std::size_t>(model.nodes.n()));
   for (const auto& b : boundaries) {
     const NodeGroup group(model, b->nodes());
     for (int i = 0; i < model.nodes.n(); ++i)
       if (group.holds(model.nodes, i)) {
         const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)};
         model.nodes.set_v(i, b->initial(node, model.nodes.v(i)));
+        MirrorPlanes& planes = met[static_cast<std::size_t>(i)];
+        if (b->mirrors(model.nodes.reference_position(i))) planes.add(b->region(0.0).normal);
+        if (!planes.upright()) model.nodes.set_v(i, planes.slide(model.nodes.v(i)));
       }
   }
 }
@@ -92,6 +137,7 @@ Vec3 Constraints::constrain(const Model& model, int i, const Step& step, const s
     for (; after_each != nullptr && n_told < place; ++n_told) after_each[n_told] = velocity;
   };
   const std::vector<std::int32_t>&always = lists_[always_[i]], &near = lists_[near_[i]];
+  MirrorPlanes mirrors;
   // In the order of the input.
   auto a = always.begin();
   auto n = near.begin();
@@ -101,6 +147,10 @@ Vec3 Constraints::constrain(const Model& model, int i, const Step& step, const s
     tell_up_to(b);
     if (anyway || dot(planes[b].normal, node.position + velocity * step.dt) < planes[b].offset)
       velocity = boundaries[b]->constrain(node, when, velocity);
+    if (anyway && on_oblique_planes_[i] && boundaries[b]->mirrors(model.nodes.reference_position(i))) {
+      mirrors.add(planes[b].normal);
+      velocity = mirrors.slide(velocity);
+    }
   }
   tell_up_to(boundaries.size());
   return velocity;

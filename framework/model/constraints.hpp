@@ -48,6 +48,7 @@ class Constraints {
   std::vector<std::int32_t> constrained_;
   DistinctLists lists_;  // of conditions, as places in the input
   std::vector<std::int32_t> always_, near_;  // per node: a list; empty where there is no condition at all
+  std::vector<char> on_oblique_planes_;  // per node: whether it lies on mirror planes that are not at right angles
 };
 
 }  // namespace kerf

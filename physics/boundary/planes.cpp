@@ -17,7 +17,8 @@ std::string behind(const char* what, const BoundaryNode& node, double distance, 
 /// Keeps nodes that lie on a plane on it. The model is on the side to which the normal points; a free node that
 /// would cross the plane meets its mirror image there, and bounces off it.
 struct Symmetry final : NamedNodesBoundary {
-  Vec3 point, normal;  // [m], [-]
+  Vec3 point, normal, axis;  // [m], [-]
+  double angle = 0.0;  // [rad]
   double tolerance = 0.0;  // zero until it is known [m]
 
   static void describe(Schema<Symmetry>& s) {
@@ -25,13 +26,24 @@ struct Symmetry final : NamedNodesBoundary {
     s.vector(&Symmetry::point, "point", "m", any_value, "a point on the plane").by_default("[0, 0, 0]");
     s.vector(&Symmetry::normal, "normal", "-", any_value,
              "normal of the plane, of any length, pointing to the side where the model is");
+    s.real(&Symmetry::angle, "angle", "rad", any_value,
+           "angle by which the normal is turned about the axis, for planes that no short normal describes")
+        .by_default("0 rad");
+    s.vector(&Symmetry::axis, "axis", "-", any_value, "axis about which the normal is turned").by_default("[0, 0, 1]");
     s.real(&Symmetry::tolerance, "tolerance", "m", positive,
            "distance within which a node lies on the plane; by default a millionth of the shortest edge of the mesh")
         .optional();
     s.rule("normal", "normal must not have zero length", [](const Symmetry& p) { return norm(p.normal) > 0.0; });
+    s.rule("axis", "axis must not have zero length", [](const Symmetry& p) { return norm(p.axis) > 0.0; });
   }
   void prepare(const MeshScale& scale) override {
     if (!(tolerance > 0.0)) tolerance = scale.tolerance();
+    if (angle == 0.0) return;
+    // Rodrigues' formula.
+    const Vec3 a = axis * (1.0 / norm(axis));
+    const double c = kerf::cos(angle), s = kerf::sin(angle);
+    normal = normal * c + cross(a, normal) * s + a * (dot(a, normal) * (1.0 - c));
+    angle = 0.0;  // done
   }
   Ask ask(Vec3 x) const override { return std::fabs(distance(x)) <= tolerance ? Ask::always : Ask::near_region; }
   HalfSpace region(double) const override { return {normal, dot(point, normal)}; }

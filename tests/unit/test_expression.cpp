@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(Units, Computes,
                          testing::Values(Good{"2 GPa", 2e9}, Good{"x * 5 mm", 0.015}, Good{"300 m/s", 300.0},
                                          Good{"8.93 g/cm3", 8930.0}, Good{"1.5kJ/g", 1.5e6}, Good{"26.85 degC", 300.0},
                                          Good{"90 deg/s", 1.5707963267948966}, Good{"2 us", 2e-6},
-                                         Good{"2 µs + 1 ns", 2.001e-6}, Good{"3 m and 1", 1.0}, Good{"6 mm/x", 0.002},
+                                         Good{"2 µs + 1 ns", 2.001e-6}, Good{"3 m and 1", 1.0}, Good{"6 mm / x", 0.002},
                                          Good{"1 kHz", 1000.0}));
 
 TEST(Expression, says_what_is_wrong_and_where) {
