@@ -31,6 +31,12 @@ IRON = {"type": "zerilli_armstrong", "shear_modulus": "80 GPa", "C0": "65 MPa", 
         "C4": "0.000415 1/K", "C5": "266 MPa", "n": 0.289, "specific_heat": "452 J/(kg K)"}
 TNT = {"type": "jwl", "A": "371.2 GPa", "B": "3.231 GPa", "R1": 4.15, "R2": 0.95, "omega": 0.3,
        "initial_energy": "7 GJ/m3", "detonation_velocity": "6930 m/s", "cj_pressure": "21 GPa"}
+SENSITIVE = {
+    "type": "ignition_and_growth",
+    "unreacted": {"A": "6969 GPa", "B": "-172.7 GPa", "R1": 7.8, "R2": 3.9, "omega": 0.8578, "heat_capacity": 2.505e6},
+    "products": {"A": "854.5 GPa", "B": "20.493 GPa", "R1": 4.6, "R2": 1.35, "omega": 0.25, "heat_capacity": 1e6},
+    "initial_energy": "10.2 GJ/m3", "I": "44 1/us", "b": 0.222, "x": 4, "G1": "200 1/us", "c": 0.222, "d": 0.667,
+    "y": 1.6}
 FOAM = {"type": "p_alpha", "solid_density": 2700, "c0": 5350, "s": 1.34, "gamma0": 2.0,
         "elastic_pressure": "50 MPa", "solid_pressure": "600 MPa"}
 ALUMINA = {"type": "johnson_holmquist_2", "shear_modulus": "90.16 GPa", "A": 0.93, "B": 0.31, "M": 0.6, "N": 0.6,
@@ -172,6 +178,27 @@ def explosion():
     }
 
 
+def initiation():
+    """A sensitive explosive is thrown against a wall and begins to react; of two others, side by side, one is lit from
+    the other, round a corner."""
+    round_corners = {**TNT, "arrival": "eikonal"}
+    return {
+        "title": "initiation", "time": {"end": "2 us"},
+        "materials": {
+            "sensitive": {"density": 1842, "strength": {"type": "hydrodynamic"}, "eos": SENSITIVE},
+            "booster": {"density": 1630, "strength": {"type": "hydrodynamic"},
+                        "eos": {**round_corners, "detonators": [{"point": "20 0 0 mm", "end": "20 0 2 mm"}]}},
+            "charge": {"density": 1630, "strength": {"type": "hydrodynamic"}, "eos": round_corners}},
+        "parts": {
+            "sensitive": block("sensitive", "3 3 6 mm", [3, 3, 12], velocity="0 0 -1200 m/s"),
+            "booster": block("booster", "3 6 2 mm", [3, 6, 2], placement=[{"translate": "20 0 0 mm"}]),
+            "charge": block("charge", "4 2 2 mm", [4, 2, 2], placement=[{"translate": "23 4 0 mm"}])},
+        "joined": [{"parts": ["booster", "charge"]}],
+        "boundaries": [{"type": "symmetry", "normal": [0, 0, 1]}],
+        "checks": {"energy_growth": 0.5},
+    }
+
+
 MODELS = {
     "bar": copper_bar("double", "viscous"),
     "bar_single": copper_bar("single", "stiffness"),
@@ -180,6 +207,7 @@ MODELS = {
     "spall_and_splash": spall_and_splash(),
     "pressed_plate": pressed_plate(),
     "explosion": explosion(),
+    "initiation": initiation(),
 }
 
 
