@@ -44,9 +44,9 @@ struct Burst {
   std::span<const Piece> incident_impulse, reflected_impulse;  // [kPa ms/kg^(1/3)]
   std::span<const Piece> arrival, duration;  // [ms/kg^(1/3)]
 
-  constexpr bool holds(double log10_z) const {
-    return log10_z >= kerf::log10(nearest) && log10_z <= kerf::log10(farthest);
-  }
+  double log10_nearest = kerf::log10(nearest), log10_farthest = kerf::log10(farthest);
+
+  bool holds(double log10_z) const { return log10_z >= log10_nearest && log10_z <= log10_farthest; }
 };
 
 // Spherical charges far from any ground.
