@@ -148,13 +148,13 @@ double log10_of(std::span<const Piece> pieces, double log10_z) {
 }
 double power_of_ten(double y) { return kerf::exp(y * 2.302585092994045684); }
 
-/// The coefficient b of (1 - s) exp(-b s), s from 0 to 1, whose integral F(b) = (b - 1 + exp(-b)) / b^2 is
-/// `mean`. Pre: 0 < mean < 0.7. Newton's method on 1/F, which is convex and nearly straight: its slope is 2/3 at b = 0
-/// and goes to 1, so that six steps reach round-off from a start on the tangent at 0.
+/// The coefficient b of (1 - s) exp(-b s), s from 0 to 1, whose integral F(b) = (b - 1 + exp(-b)) / b^2 is `mean`.
+/// Pre: 0.03 < mean < 0.56. Newton's method on 1/F, which is convex and nearly straight: 2 + 2b/3 at b = 0, and b + 1
+/// for large b. From a start that has both tangents, three steps reach round-off.
 double decay_for(double mean) {
-  const double wanted = 1.0 / mean;
-  double b = 1.5 * (wanted - 2.0);
-  for (int i = 0; i < 6; ++i) {
+  const double wanted = 1.0 / mean, y = wanted - 2.0;
+  double b = y * (1.5 + 0.5 * y) / (1.0 + 0.5 * y);
+  for (int i = 0; i < 3; ++i) {
     double integral, rest;  // F, and (1/2 - F) / b
     if (std::fabs(b) < 1.0) {
       // Sum of (-b)^k / (k + 3)!; what is left out is below 1e-20.
