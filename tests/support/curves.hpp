@@ -81,8 +81,12 @@ std::vector<CurveResult> eos_path_results(const Oracle& oracle, const std::strin
                                           const std::map<std::string, std::string>& names,
                                           const std::map<std::string, double>& tolerances);
 
+/// How results are printed.
+enum class PrintedAs { worst_column, all_columns, markdown };
+
 /// Prints law, file, column, error, tolerance, row and whether it passes: of the column that comes nearest to its
-/// tolerance and of those that fail, or of all. Returns whether all pass. A file without a family does not pass.
-bool print_results(const std::string& file, bool all_columns);
+/// tolerance and of those that fail, or of all; as markdown, one row of a table for the file. Returns whether all pass.
+/// A file without a family does not pass.
+bool print_results(const std::string& file, PrintedAs form);
 
 }  // namespace kerf::test

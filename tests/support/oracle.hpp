@@ -22,8 +22,8 @@ struct Oracle {
   /// "key: number" for a law's parameters, one after the other, by Kerf's and the file's names. A parameter that the
   /// file does not have is left out.
   std::string text(const std::vector<std::pair<std::string, std::string>>& names) const;
-  /// The name of the law, as the file says it; empty where it does not.
-  std::string law() const { return parameters.is_object() ? parameters.value("law", "") : ""; }
+  /// The name of the law along whose path the file goes, as the file says it; empty for other files.
+  std::string law() const { return path.is_object() && parameters.is_object() ? parameters.value("law", "") : ""; }
 
   std::string name;  // of the file, without folder and ".csv"
   nlohmann::json parameters, path, material, failure;  // JSON of the lines "# parameters:", "# path:" and so on

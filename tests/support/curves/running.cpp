@@ -167,11 +167,12 @@ std::vector<CurveResult> eos_path_results(const Oracle& oracle, const std::strin
   return results;
 }
 
-bool print_results(const std::string& file, bool all_columns) {
+bool print_results(const std::string& file, PrintedAs form) {
   const Oracle oracle(file);
   const CurveFamily* family = family_of(oracle);
   if (family == nullptr) {
-    std::printf("%-24s %-44s no law of this file is known\n", "-", oracle.name.c_str());
+    if (form != PrintedAs::markdown)
+      std::printf("%-24s %-44s no law of this file is known\n", "-", oracle.name.c_str());
     return false;
   }
   const std::vector<CurveResult> results = family->check(oracle);
@@ -183,9 +184,14 @@ bool print_results(const std::string& file, bool all_columns) {
   bool all = !results.empty();
   for (auto r = results.begin(); r != results.end(); ++r) {
     all = all && r->passes();
-    if (all_columns || r == worst || !r->passes())
+    if (form == PrintedAs::markdown) {
+      if (r == worst)
+        std::printf("| %s | `%s` | %s | %.1e | %.1e |\n", family->law.c_str(), oracle.name.c_str(), r->column.c_str(),
+                    r->error, r->tolerance);
+    } else if (form == PrintedAs::all_columns || r == worst || !r->passes()) {
       std::printf("%-24s %-44s %-34s %10.2e %10.2e row %4zu %s\n", family->law.c_str(), oracle.name.c_str(),
                   r->column.c_str(), r->error, r->tolerance, r->row, r->passes() ? "pass" : "FAIL");
+    }
   }
   return all;
 }
