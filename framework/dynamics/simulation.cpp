@@ -114,6 +114,7 @@ void Simulation::start_contact(const ElementReport& report) {
 /// Throws where nodes cannot start as they stand, or bodies that may touch overlap.
 void Simulation::refuse_bad_start(const ContactCover& cover) {
   std::vector<std::string> errors = constraints_.complaints(model_);
+  for (std::string& line : loads_.complaints(model_)) errors.push_back(std::move(line));
   std::vector<bool> reported(contacts_.size(), false);
   for (const Overlap& o : find_overlaps(model_)) {
     const int contact = cover.between(o.first, o.second);

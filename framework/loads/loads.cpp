@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 
 #include "loads/facet_shares.hpp"
 #include "model/copies.hpp"
@@ -31,6 +32,10 @@ Vec3 mean_of(const ExteriorFacet& f, const Value& value) {
   Vec3 sum;
   for (std::size_t c = 0; c < n_corners(f); ++c) sum = sum + value(f.nodes[c]);
   return sum * (1.0 / static_cast<double>(n_corners(f)));
+}
+
+std::array<Vec3, 4> shares_of(const NodeStore& nodes, const ExteriorFacet& f) {
+  return facet_shares({nodes.x(f.nodes[0]), nodes.x(f.nodes[1]), nodes.x(f.nodes[2]), nodes.x(f.nodes[3])});
 }
 
 }  // namespace
@@ -100,22 +105,28 @@ void Loads::note_failure(const char* what) {
   if (trouble_.empty()) trouble_ = fmt::format("the load {} ({}) failed: {};", asked_->type, asked_->origin, what);
 }
 
-void Loads::add_facet_forces(const Model& model, double time) {
+/// What a law sees of a facet whose corners have these shares of its area.
+LoadedFacet Loads::seen(const Model& model, const OnFacet& on, const std::array<Vec3, 4>& shares) const {
   const NodeStore& nodes = model.nodes;
+  const ExteriorFacet& f = on.mark.facet;
+  const Vec3 whole = shares[0] + shares[1] + shares[2] + shares[3];
+  LoadedFacet facet;
+  facet.id = model.parts[static_cast<std::size_t>(f.part)].store->id(f.slot) * Shape::code_of_faces + f.face;
+  facet.area = norm(whole);
+  facet.normal = facet.area > 0.0 ? whole * (1.0 / facet.area) : Vec3{};
+  facet.position = mean_of(f, [&](std::int32_t i) { return nodes.x(i); });
+  facet.velocity = mean_of(f, [&](std::int32_t i) { return nodes.v(i); });
+  facet.reference_position = on.reference;
+  return facet;
+}
+
+void Loads::add_facet_forces(const Model& model, double time) {
   for (const OnFacet& on : on_facets_) {
     const ExteriorFacet& f = on.mark.facet;
     const FacetLoad& law = *marks_.laws()[on.mark.law];
     asked_ = &law;
-    const std::array<Vec3, 4> shares =
-        facet_shares({nodes.x(f.nodes[0]), nodes.x(f.nodes[1]), nodes.x(f.nodes[2]), nodes.x(f.nodes[3])});
-    const Vec3 whole = shares[0] + shares[1] + shares[2] + shares[3];
-    LoadedFacet facet;
-    facet.id = model.parts[static_cast<std::size_t>(f.part)].store->id(f.slot) * Shape::code_of_faces + f.face;
-    facet.area = norm(whole);
-    facet.normal = facet.area > 0.0 ? whole * (1.0 / facet.area) : Vec3{};
-    facet.position = mean_of(f, [&](std::int32_t i) { return nodes.x(i); });
-    facet.velocity = mean_of(f, [&](std::int32_t i) { return nodes.v(i); });
-    facet.reference_position = on.reference;
+    const std::array<Vec3, 4> shares = shares_of(model.nodes, f);
+    const LoadedFacet facet = seen(model, on, shares);
     const FacetForce acts = law.force(facet, time);
     for (std::size_t c = 0; c < 4; ++c)
       add(model, f.nodes[c], shares[c] * -acts.pressure + acts.traction * dot(shares[c], facet.normal), law);
@@ -199,6 +210,37 @@ std::vector<std::int64_t> Loads::count_targets(const Model& model) const {
       if (model.nodes.owned[i] != 0) ++counts[number_of(on.load)];
   MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_INT64_T, MPI_SUM, model.comm);
   return counts;
+}
+
+std::vector<std::string> Loads::complaints(const Model& model) {
+  constexpr std::int64_t no_facet = std::numeric_limits<std::int64_t>::max();
+  find_facets(model);
+  const std::size_t n = marks_.laws().size();
+  std::vector<std::int64_t> n_facets(n, 0), n_refused(n, 0), first(n, no_facet);
+  std::vector<std::string> texts(n);
+  for (const OnFacet& on : on_facets_) {
+    const std::size_t k = on.mark.law;
+    const LoadedFacet facet = seen(model, on, shares_of(model.nodes, on.mark.facet));
+    std::string text = marks_.laws()[k]->objection(facet);
+    ++n_facets[k];
+    if (text.empty()) continue;
+    ++n_refused[k];
+    if (facet.id < first[k]) texts[k] = std::move(text);
+    first[k] = std::min(first[k], facet.id);
+  }
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::int64_t refused = sum_of(model.comm, n_refused[k]), all = sum_of(model.comm, n_facets[k]);
+    if (refused == 0) continue;
+    // The same facet on any number of ranks.
+    std::int64_t least = no_facet;
+    MPI_Allreduce(&first[k], &least, 1, MPI_INT64_T, MPI_MIN, model.comm);
+    const std::string text = first_text(model.comm, first[k] == least ? texts[k] : std::string{});
+    const Load& law = *marks_.laws()[k];
+    lines.push_back(fmt::format("{}: error: the load {} cannot act on {} of its {} facets; the first has {}",
+                                law.origin, law.type, refused, all, text));
+  }
+  return lines;
 }
 
 }  // namespace kerf

@@ -1,6 +1,7 @@
 // Adds the forces of all loads of the input to the nodes, the same on every number of ranks.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -37,6 +38,8 @@ class Loads {
   void restore(const Model& model, const std::vector<LoadOnNode>& share);
   /// On how many facets or nodes each load of the input acts, on all ranks together. Collective.
   std::vector<std::int64_t> count_targets(const Model& model) const;
+  /// What laws have against facets that they are to load, one line for each law that has. Collective.
+  std::vector<std::string> complaints(const Model& model);
 
  private:
   /// A load on nodes, with its nodes of this rank. One of the laws is set.
@@ -52,6 +55,7 @@ class Loads {
     Vec3 reference;  // where the law reads it [m]
   };
   void find_facets(const Model& model);
+  LoadedFacet seen(const Model& model, const OnFacet& on, const std::array<Vec3, 4>& shares) const;
   void add_facet_forces(const Model& model, double time);
   void add_node_forces(const Model& model, const OnNodes& on, double time);
   void add(const Model& model, std::int32_t node, Vec3 newton, const Load& load);

@@ -71,6 +71,9 @@ struct FacetForce {
 class FacetLoad : public Load {
  public:
   virtual FacetForce force(const LoadedFacet& facet, double time) const = 0;
+  /// Why the law cannot load a facet, as "a scaled distance of 50, outside of the table"; empty where it can. Asked of
+  /// every facet before the first step: a text is an error of the input. What the run brings later, force() may throw.
+  virtual std::string objection(const LoadedFacet&) const { return {}; }
   /// Whether the facets that the erosion of a loaded element uncovers are loaded from then on.
   virtual bool follows_erosion() const { return false; }
 };
