@@ -445,6 +445,18 @@ class Validator {
         diagnostics_.error(origins_.find(path + ".value"), fmt::format("`value`: {}", q.error));
   }
 
+  /// What the engine keeps of failure and softening, where criteria ask for it.
+  static void add_failure_fields(const MaterialInput& material, Names& fields) {
+    if (!material.erosion) return;
+    const auto any = [&](const auto& asks) {
+      const auto& all = material.erosion->criteria;
+      return std::any_of(all.begin(), all.end(), [&](const auto& c) { return c && asks(*c); });
+    };
+    const bool stays = any([](const ErosionCriterion& c) { return c.then == "no_tension"; });
+    if (stays) fields.emplace_back("no_tension");
+    if (stays || material.erosion->fade_out > 0 || any([](const ErosionCriterion& c) { return c.softens(); }))
+      for (const char* name : {"strength_factor", "tension_factor", "compression_factor"}) fields.emplace_back(name);
+  }
   void check_fields() {
     Names element_fields = element_field_names();
     element_fields.push_back("effective_plastic_strain");  // stands in the default, whether or not a material has it
@@ -452,6 +464,7 @@ class Validator {
     for (const auto& material : model_.materials) {
       complete = complete && is_complete(*material);
       for (const std::string& name : variables_of(*material)) element_fields.push_back(name);
+      add_failure_fields(*material, element_fields);
     }
     for (const auto& part : model_.parts) {
       complete = complete && part->element;
