@@ -66,9 +66,13 @@ void Simulation::check_speeds(double time) const {
     if (dot(model_.nodes.v(i), model_.nodes.v(i)) <= limit * limit || !model_.nodes.owned[i]) continue;
     if (model_.nodes.id[i] >= lowest) continue;
     lowest = model_.nodes.id[i];
-    trouble =
-        fmt::format("node {} (part {}, rank {}) moves at {:.4g} m/s, faster than {:.4g} m/s", lowest,
-                    model_.parts[model_.nodes.part[i]].input->name, model_.rank(), norm(model_.nodes.v(i)), limit);
+    trouble = fmt::format(
+        "node {} (part {}, rank {}) moves at {:.4g} m/s, faster than {:.4g} m/s, which is {}", lowest,
+        model_.parts[model_.nodes.part[i]].input->name, model_.rank(), norm(model_.nodes.v(i)), limit,
+        input_.checks.maximum_speed > 0.0
+            ? "checks.maximum_speed"
+            : "a hundred times the sound speed of the undeformed materials; give checks.maximum_speed where "
+              "such speeds are meant");
   }
   const std::int64_t first = -greatest(model_.comm, -lowest);
   const std::string text = first_text(model_.comm, lowest == first ? trouble : std::string{});

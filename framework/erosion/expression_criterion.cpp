@@ -97,6 +97,9 @@ struct ExpressionCriterion final : ErosionCriterion {
     for (const Known& k : known) names.emplace_back(k.name);
     for (const auto& [name, unit] : units)
       if (place_of(name) < 0) names.push_back(name);
+    if (program().variables().empty() && program().faults({}).empty())
+      all.push_back(
+          {"expression", 0, "the condition names no variable, so that it holds always or never; expected one"});
     if (program().variables().size() > most_variables)
       all.push_back({"expression", 0, fmt::format("expected at most {} different variables", most_variables)});
     for (const Condition::Variable& v : program().variables()) {

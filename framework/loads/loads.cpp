@@ -216,13 +216,14 @@ std::vector<std::string> Loads::complaints(const Model& model) {
   constexpr std::int64_t no_facet = std::numeric_limits<std::int64_t>::max();
   find_facets(model);
   const std::size_t n = marks_.laws().size();
-  std::vector<std::int64_t> n_facets(n, 0), n_refused(n, 0), first(n, no_facet);
+  std::vector<std::int64_t> n_facets(n, 0), n_refused(n, 0), n_reached(n, 0), first(n, no_facet);
   std::vector<std::string> texts(n);
   for (const OnFacet& on : on_facets_) {
     const std::size_t k = on.mark.law;
     const LoadedFacet facet = seen(model, on, shares_of(model.nodes, on.mark.facet));
     std::string text = marks_.laws()[k]->objection(facet);
     ++n_facets[k];
+    if (marks_.laws()[k]->can_reach(facet)) ++n_reached[k];
     if (text.empty()) continue;
     ++n_refused[k];
     if (facet.id < first[k]) texts[k] = std::move(text);
@@ -231,6 +232,12 @@ std::vector<std::string> Loads::complaints(const Model& model) {
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < n; ++k) {
     const std::int64_t refused = sum_of(model.comm, n_refused[k]), all = sum_of(model.comm, n_facets[k]);
+    const std::int64_t reached = sum_of(model.comm, n_reached[k]);
+    if (refused == 0 && reached == 0 && all > 0)
+      lines.push_back(
+          fmt::format("{}: error: the load {} can push none of its {} facets; expected a place, a direction and a time "
+                      "at which it acts on some",
+                      marks_.laws()[k]->origin, marks_.laws()[k]->type, all));
     if (refused == 0) continue;
     // The same facet on any number of ranks.
     std::int64_t least = no_facet;

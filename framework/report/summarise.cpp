@@ -191,6 +191,23 @@ void warn_of_gains(Summary& s, const Balance& b) {
         b.hourglass_given_back));
 }
 
+/// A sentence where the balance of energy is open by more than a hundredth, which no sound run of the tests is.
+void warn_of_balance(Summary& s, const Balance& b) {
+  if (std::fabs(b.error) <= 0.01) return;
+  s.warnings.push_back(
+      fmt::format("warning: the energy balance is off by {:+.2g} % at the end; expected less than 1 %: try a smaller "
+                  "time.safety_factor, and look in history.csv when it opened",
+                  100.0 * b.error));
+}
+
+/// A sentence for each part of which nothing is left.
+void warn_of_lost_parts(const Model& model, Summary& s) {
+  for (const PartModel& part : model.parts)
+    if (part.n_elements > 0 && sum_of(model.comm, static_cast<std::int64_t>(part.store->n_live())) == 0)
+      s.warnings.push_back(
+          fmt::format("warning: all elements of part {} have eroded; check its erosion criteria", part.input->name));
+}
+
 void warn_of_nodes_let_go(Summary& s) {
   if (s.contact_let_go.nodes == 0) return;
   s.warnings.push_back(
@@ -281,6 +298,8 @@ Summary Reporter::summarise(const std::string& exit) {
   s.warnings = simulation_.warnings();
   warn_of_hourglass_share(s, b);
   warn_of_gains(s, b);
+  warn_of_balance(s, b);
+  warn_of_lost_parts(model, s);
   warn_of_nodes_let_go(s);
   add_parts(s);
   add_measures(s);

@@ -228,6 +228,25 @@ void warn_of_swallowing_planes(const Model& model, Lines& lines) {
   }
 }
 
+/// Planes of symmetry on which nothing lies: a model that was to be cut there is not held.
+void warn_of_empty_planes(const Model& model, Lines& lines) {
+  for (const auto& law : model.input->boundaries) {
+    if (law->type != "symmetry") continue;
+    const NodeGroup group(model, law->nodes());
+    std::vector<std::int64_t> n_on_plane(1, 0);
+    for (int i = 0; i < model.nodes.n(); ++i)
+      if (model.nodes.owned[index(i)] != 0 && group.holds(model.nodes, i) && law->mirrors(model.nodes.x(i)))
+        ++n_on_plane[0];
+    sum_of_all(model.comm, n_on_plane);
+    if (n_on_plane[0] == 0)
+      lines.push_back(
+          warning(law->origin,
+                  "no node lies on this plane of symmetry, so that it holds nothing and only turns back what "
+                  "reaches it; check its point and normal, give `axis` and `angle` where no short normal "
+                  "describes it, or use a rigid_wall if that is meant"));
+  }
+}
+
 /// Strains are differences of positions: where these are large numbers, their rounding is strain.
 void warn_of_distance(const Model& model, const Encounters& encounters, Lines& lines) {
   constexpr double harmless = 1e-6;  // a thousandth of the strain at which soft metals yield
@@ -278,6 +297,7 @@ Lines model_warnings(Model& model, const ContactCover& cover, const std::vector<
   warn_of_single_layers(model, encounters, lines);
   warn_of_single_cells(model, encounters, lines);
   warn_of_swallowing_planes(model, lines);
+  warn_of_empty_planes(model, lines);
   warn_of_distance(model, encounters, lines);
   warn_of_idle_loads(model, load_targets, lines);
   for (std::string& line : law_warnings(model)) lines.push_back(std::move(line));

@@ -210,7 +210,18 @@ struct AirBlast final : FacetLoad {
 
   std::string objection(const LoadedFacet& f) const override {
     const Ray ray(*this, f);
-    return ray.cosine > 0.0 ? out_of_range(ray.distance) : std::string{};
+    // A facet that looks away is not loaded, however far it is; but a charge that near to it lies in the body.
+    const bool near = !(ray.distance > table().nearest * power_of_ten(kerf::log10(mass) / 3.0));
+    return ray.cosine > 0.0 || near ? out_of_range(ray.distance) : std::string{};
+  }
+  bool can_reach(const LoadedFacet& f) const override {
+    const Ray ray(*this, f);
+    if (!(ray.cosine > 0.0)) return false;
+    const double log10_root = kerf::log10(mass) / 3.0, log10_z = kerf::log10(ray.distance) - log10_root;
+    if (!table().holds(log10_z)) return true;  // which objection() tells
+    const double end =
+        power_of_ten(log10_of(table().arrival, log10_z)) + power_of_ten(log10_of(table().duration, log10_z));
+    return detonation + 1e-3 * end * power_of_ten(log10_root) > 0.0;  // not over before the run begins
   }
 
   FacetForce force(const LoadedFacet& f, double time) const override {
