@@ -35,7 +35,8 @@ Json number_schema(const Parameter& p) {
   Json number = {{"type", "number"}};
   add_range(number, p.range);
   const bool has_unit = p.unit != "-" && !p.unit.empty();
-  const Json text = {{"type", "string"}, {"pattern", "^" + number_pattern + (has_unit ? "( *[^ 0-9.].*| +1/.*)?$" : "$")}};
+  const Json text = {{"type", "string"},
+                     {"pattern", "^" + number_pattern + (has_unit ? "( *[^ 0-9.].*| +1/.*)?$" : "$")}};
   return or_parameter({{"anyOf", {number, text}}});
 }
 

@@ -33,8 +33,9 @@ class PartUse final : public LawUse {
       if (used.store->live(s))
         shares += std::llrint(used.store->field(PartStore::mass).at(s, 0) / density / volume * 0x1p20);
     shares = sum_of(model.comm, shares);
-    length = std::cbrt(volume * static_cast<double>(shares) * 0x1p-20 /
-                       static_cast<double>(std::max(n_elements, std::int64_t{1})));
+    length = kerf::positive_power(
+        volume * static_cast<double>(shares) * 0x1p-20 / static_cast<double>(std::max(n_elements, std::int64_t{1})),
+        1.0 / 3.0);
   }
 
   double least(const std::string& variable) override {

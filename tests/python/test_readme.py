@@ -2,6 +2,7 @@
 
 import os
 import re
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -89,7 +90,7 @@ def commands_of(text):
         for line in block.splitlines():
             words = re.match(r"\./kerf (?:run|check) (\S+\.yaml)((?: --set \S+)*)", line)
             if words:
-                yield (words.group(1), *words.group(2).split())
+                yield (words.group(1), *shlex.split(words.group(2)))
 
 
 COMMANDS = sorted({command for page in [SOURCE / "README.md", *CASES] for command in commands_of(page.read_text())})

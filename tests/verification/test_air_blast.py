@@ -1,4 +1,4 @@
-"""The blast load in runs: momentum and energy that it gives to a stiff plate, refusals, and the same bits on any ranks."""
+"""The blast load in runs: momentum and energy given to a stiff plate, refusals, and the same bits on any ranks."""
 
 import json
 import subprocess

@@ -60,7 +60,7 @@ def resume(binary, run):
 
 @pytest.mark.parametrize("cells", [100, 200])
 def test_taylor_wave_of_a_plane_detonator(kerf, cells):
-    """Velocity and pressure of the detonation follow from the constants. Errors of a correct code with as many cells."""
+    """Velocity and pressure of the detonation follow from the constants. Errors of a right code with as many cells."""
     model = row(cells, 0.1, {**TNT, "detonators": [{"point": [0, 0, 0], "normal": [1, 0, 0]}]}, end=0.095 / D)
     model["boundaries"].append({"type": "symmetry", "normal": [1, 0, 0]})
     run = kerf(model)
