@@ -88,7 +88,7 @@ def commands_of(text):
     """The check and run commands that a page shows, as `kerf check` with the same input and values."""
     for block in re.findall(r"^```\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
         for line in block.splitlines():
-            words = re.match(r"\./kerf (?:run|check) (\S+\.yaml)((?: --set \S+)*)", line)
+            words = re.match(r"""\./kerf (?:run|check) (\S+\.yaml)((?: --set (?:"[^"]*"|[^\s"])+)*)""", line)
             if words:
                 yield (words.group(1), *shlex.split(words.group(2)))
 
