@@ -114,12 +114,6 @@ inline const std::vector<BookLine>& book_lines() {
        [](B b) { return b.given_back; }},
       {"hourglass_given_back", "J", in_energy | is_share, nullptr, "by hourglass control, more than it has taken",
        [](B b) { return b.hourglass_given_back; }},
-      {"chemical", "J", in_history | in_energy | adds_up, "chemical",
-       "chemical energy that explosives in live elements have not released", [](B b) { return b.chemical; }},
-      {"released", "J", in_history | in_energy | is_share, "  released",
-       "chemical energy that explosives have released, which other lines contain", [](B b) { return b.released; }},
-      {"eroded_chemical", "J", in_energy | is_share, nullptr, "the share in eroded of explosives that had not burnt",
-       [](B b) { return b.eroded_chemical; }},
       {"momentum_x", "kg m/s", in_history, nullptr, "momentum of all nodes along x", [](B b) { return b.momentum.x; }},
       {"momentum_y", "kg m/s", in_history, nullptr, "the same along y", [](B b) { return b.momentum.y; }},
       {"momentum_z", "kg m/s", in_history, nullptr, "the same along z", [](B b) { return b.momentum.z; }},
@@ -130,6 +124,12 @@ inline const std::vector<BookLine>& book_lines() {
       {"let_go_count", "-", in_history, nullptr, "nodes that contact has let go of",
        [](B b) { return static_cast<double>(b.let_go.nodes); }},
       {"imbalance", "-", in_history, nullptr, "greatest work of a rank over the mean", [](B b) { return b.imbalance; }},
+      {"chemical", "J", in_history | in_energy | adds_up, "chemical",
+       "chemical energy that explosives in live elements have not released", [](B b) { return b.chemical; }},
+      {"released", "J", in_history | in_energy | is_share, "  released",
+       "chemical energy that explosives have released, which other lines contain", [](B b) { return b.released; }},
+      {"eroded_chemical", "J", in_energy | is_share, nullptr, "the share in eroded of explosives that had not burnt",
+       [](B b) { return b.eroded_chemical; }},
   };
   return lines;
 }

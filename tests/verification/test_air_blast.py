@@ -50,9 +50,22 @@ def test_nothing_acts_before_the_front_arrives(kerf):
     assert run.summary["momentum"]["final"] == [0.0, 0.0, 0.0]
 
 
-def test_the_far_side_is_not_pressed(kerf):
-    run = kerf(plate(blast={"facets": "bottom"}, end=0.8e-3, sets={"bottom": {"parts": "plate", "face": "z_min"}}))
-    assert run.summary["energy"]["external"] == 0.0
+# Facets that look away from the charge, a charge whose blast is over before the run, and one in the middle of the body.
+IDLE = {
+    "behind": ({"facets": "bottom"}, "can push none of its 25 facets"),
+    "over": ({"detonation_time": -10.0}, "can push none of its 25 facets"),
+    "inside": ({"facets": "bottom", "charge_position": [0, 0, -1.002]}, "cannot act on 25 of its 25 facets"),
+}
+
+
+@pytest.mark.parametrize("blast, message", IDLE.values(), ids=IDLE.keys())
+def test_a_blast_that_would_push_nothing_is_refused(binary, tmp_path, blast, message):
+    sets = {name: {"parts": "plate", "face": face} for name, face in (("top", "z_max"), ("bottom", "z_min"))}
+    model = plate(blast=blast, end=0.8e-3, sets=sets)
+    (tmp_path / "input.yaml").write_text(json.dumps(model))
+    done = subprocess.run([str(binary), "check", str(tmp_path / "input.yaml")], capture_output=True, text=True,
+                          timeout=100)
+    assert done.returncode == 2 and f"error: the load air_blast {message}" in done.stderr, done.stderr
 
 
 @pytest.mark.parametrize("height, number", [(0.05, 0.05), (60.0, 60.0)])
