@@ -2,66 +2,12 @@
 one rank, and on three that hand elements to each other, stop half-way, and are resumed by two. The samples are those
 of tests/data/sample_laws.yaml."""
 import json
-import os
 import re
 import subprocess
-from pathlib import Path
 
 import pytest
 import yaml
-
-SOURCE = Path(__file__).resolve().parents[2]
-KERF = os.environ.get("KERF_BINARY", str(SOURCE / "build" / "bin" / "kerf"))
-SAMPLES = yaml.safe_load((SOURCE / "tests" / "data" / "sample_laws.yaml").read_text())
-# The partners of a law that is not the whole material. This strength keeps all that criteria read.
-USUAL = {"density": "7850 kg/m3", "strength": {"type": "johnson_cook"} | SAMPLES["material"]["johnson_cook"],
-         "eos": {"type": "mie_gruneisen"} | SAMPLES["eos"]["mie_gruneisen"]}
-KEYS = {"material": "strength", "eos": "eos", "solid": "solid"}
-
-
-def registered():
-    kinds = set(KEYS) | {"erosion"}
-    listing = subprocess.run([KERF, "list"], capture_output=True, text=True, check=True, timeout=60).stdout
-    laws, kind = [], None
-    for line in filter(None, listing.splitlines()):
-        if not line.startswith(" "):
-            kind = line.strip()
-        elif kind in kinds:
-            laws.append((kind, line.split()[0]))
-    return laws
-
-
-def material_of(kind, name):
-    sample = dict(SAMPLES[kind][name] or {})
-    beside = sample.pop("beside", {})
-    law = {"type": name} | sample
-    if kind == "erosion":
-        return USUAL | {"erosion": {"criteria": [law]}} | beside
-    if kind == "solid":
-        return {"density": USUAL["density"], "solid": law} | beside
-    return USUAL | {KEYS[kind]: law} | beside
-
-
-def impacts(laws):
-    """One model: for every law a short bar that hits another one, sideways a little, so that elements are sheared and
-    turned, too. Pairs stand apart, those with detonators next to the origin, where these are."""
-    case = {"time": {"end": "1 ms", "maximum_cycles": 30}, "materials": {}, "parts": {},
-            "contacts": [{"type": "eroding_surface"}],
-            # Elements move between ranks often, whether or not that pays.
-            "balance": {"force_interval": 7},
-            # Samples are no engineering: an explosive may well send parts flying.
-            "checks": {"energy_growth": 1.0e6, "let_go": 1.0}}
-    first = sorted(laws, key=lambda law: "detonators" not in str(SAMPLES[law[0]][law[1]]))
-    for i, (kind, name) in enumerate(first):
-        material = f"{kind}_{name}"
-        case["materials"][material] = material_of(kind, name)
-        case["parts"][material + "_flyer"] = {
-            "material": material, "velocity": "200 60 0 m/s",
-            "mesh": {"type": "block", "origin": f"0 {20 * i} 0 mm", "size": "4 2 2 mm", "cells": [4, 2, 2]}}
-        case["parts"][material + "_target"] = {
-            "material": material,
-            "mesh": {"type": "block", "origin": f"4 {20 * i} 0 mm", "size": "4 3 2 mm", "cells": [4, 3, 2]}}
-    return case
+from law_models import KERF, SAMPLES, impacts, laws_of, plugins
 
 
 def run(folder, name, case, *arguments):
@@ -87,13 +33,13 @@ def difference(folder, laws):
 
 
 def test_every_law_has_a_sample():
-    for kind, name in registered():
+    for kind, name in laws_of(plugins()):
         assert name in SAMPLES.get(kind, {}), f"{kind} {name} has no sample; give it one in tests/data/sample_laws.yaml"
 
 
 def test_ranks_migration_and_restart_leave_the_bits_alone(tmp_path):
     """All laws in one model, which is quick; where something differs, one after the other, to name the law."""
-    laws = registered()
+    laws = laws_of(plugins())
     if not difference(tmp_path, laws):
         return
     found = {name: difference(tmp_path / name, [(kind, name)]) for kind, name in laws}

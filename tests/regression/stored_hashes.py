@@ -1,10 +1,12 @@
-"""Seven small models, and the state hashes that they have to end with on every x86-64 machine and from every compiler.
+"""Small models, and the state hashes that they have to end with on every x86-64 machine and from every compiler.
 
     python tests/regression/stored_hashes.py            runs them and shows which hashes differ from hashes.json
     python tests/regression/stored_hashes.py --renew    writes hashes.json anew, after a change of physics on purpose
 
 The program is KERF_BINARY, or build/bin/kerf. Between them the models use every material, equation of state, solid,
-erosion criterion, contact, boundary, load and generator, both precisions and both forms of hourglass control.
+erosion criterion, contact, boundary, load and generator, both precisions and both forms of hourglass control. The models
+`laws` and `criteria` contain whatever is registered, with the samples of tests/data/sample_laws.yaml; where their
+hashes differ, `python tests/regression/stored_hashes.py --laws` runs each law alone, to compare between two machines.
 """
 
 import json
@@ -15,7 +17,9 @@ import tempfile
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
-KERF = Path(os.environ.get("KERF_BINARY", SOURCE / "build" / "bin" / "kerf")).resolve()
+sys.path.insert(0, str(SOURCE / "tests" / "support"))
+from law_models import KERF, impacts, laws_of, plugins  # noqa: E402
+
 STORED = Path(__file__).with_name("hashes.json")
 
 STEEL = {"type": "elastic_plastic", "shear_modulus": "80 GPa", "yield_stress": "1 GPa", "hardening_modulus": "0.3 GPa"}
@@ -199,6 +203,39 @@ def initiation():
     }
 
 
+def vessels():
+    """A tube, a sphere, a spherical shell and a sector of one, round bodies of all kinds, in the blast of a charge."""
+    return {
+        "title": "vessels", "time": {"end": "10 us"},
+        "materials": {"copper": {"density": "8960 kg/m3", "strength": JOHNSON_COOK, "eos": COPPER}},
+        "parts": {
+            "tube": {"material": "copper", "mesh": {
+                "type": "tube", "inner_radius": "20 mm", "outer_radius": "23 mm", "length": "9 mm", "radial_cells": 3,
+                "circumferential_cells": 7, "axial_cells": 3, "radial_ratio": 2, "sector": "quarter"}},
+            "ball": {"material": "copper", "placement": [{"translate": "0 0 15 mm"}], "mesh": {
+                "type": "sphere", "radius": "8 mm", "core_cells": 3, "ring_cells": 3, "sector": "eighth"}},
+            "bowl": {"material": "copper", "placement": [{"translate": "0 0 30 mm"}], "mesh": {
+                "type": "spherical_shell", "inner_radius": "10 mm", "outer_radius": "13 mm", "radial_cells": 3,
+                "angular_cells": 4, "sector": "eighth"}},
+            "column": {"material": "copper", "placement": [{"translate": "0 0 40 mm"}], "mesh": {
+                "type": "spherical_sector", "inner_radius": "10 mm", "outer_radius": "16 mm", "angle_x": "20 deg",
+                "angle_y": "15 deg", "radial_cells": 5, "cells_x": 3, "cells_y": 2}}},
+        "boundaries": [{"type": "symmetry", "normal": [1, 0, 0]}, {"type": "symmetry", "normal": [0, 1, 0]}],
+        "loads": [{"type": "air_blast", "facets": ["tube", "ball", "bowl", "column"], "burst": "free_air",
+                   "charge_mass": "100 g", "charge_position": "50 60 70 mm", "detonation_time": "-14 us"}],
+    }
+
+
+def laws():
+    """Every material, equation of state and solid."""
+    return impacts([law for law in laws_of(plugins()) if law[0] != "erosion"])
+
+
+def criteria():
+    """Every erosion criterion, in impacts that are hard enough for all of them."""
+    return impacts([law for law in laws_of(plugins()) if law[0] == "erosion"], "2500 500 0 m/s", 60)
+
+
 MODELS = {
     "bar": copper_bar("double", "viscous"),
     "bar_single": copper_bar("single", "stiffness"),
@@ -208,15 +245,18 @@ MODELS = {
     "pressed_plate": pressed_plate(),
     "explosion": explosion(),
     "initiation": initiation(),
+    "vessels": vessels(),
+    "laws": laws(),
+    "criteria": criteria(),
 }
 
 
-def summary_of(name, folder, environment=None):
-    """Runs a model; its summary."""
+def summary_of(name, folder, environment=None, case=None):
+    """Runs a model, one of MODELS where none is given; its summary."""
     folder = Path(folder) / name
     folder.mkdir()
     model = folder / "input.yaml"
-    model.write_text(json.dumps(MODELS[name], indent=1))  # JSON is YAML
+    model.write_text(json.dumps(case or MODELS[name], indent=1))  # JSON is YAML
     done = subprocess.run([str(KERF), "run", str(model), "--output", str(folder)], capture_output=True, text=True,
                           timeout=300, env={**os.environ, **(environment or {})})
     if done.returncode != 0:
@@ -224,7 +264,17 @@ def summary_of(name, folder, environment=None):
     return json.loads((folder / "summary.json").read_text())
 
 
+def show_each_law():
+    with tempfile.TemporaryDirectory() as folder:
+        for kind, name in laws_of(plugins()):
+            case = impacts([(kind, name)], *(["2500 500 0 m/s", 60] if kind == "erosion" else []))
+            print(f"{kind:<10} {name:<30} {summary_of(name, folder, case=case)['state_hash']}")
+
+
 def main():
+    if "--laws" in sys.argv[1:]:
+        show_each_law()
+        return 0
     with tempfile.TemporaryDirectory() as folder:
         hashes = {name: summary_of(name, folder)["state_hash"] for name in MODELS}
     stored = json.loads(STORED.read_text()) if STORED.exists() else {}
