@@ -152,6 +152,7 @@ std::string flight_input(const Flight& flight) {
       flight.deletion == Flight::Deletion::strain ? ", {type: geometric_strain, limit: 0.4}" : "");
   const std::vector<Body> bodies = place(flight);
   for (std::size_t b = 0; b < bodies.size(); ++b) text += bodies[b].text(static_cast<int>(b));
+  if (flight.force_interval > 0) text += fmt::format("balance: {{force_interval: {}}}\n", flight.force_interval);
   return text + "contacts:\n  - " + flight.contact + "\n";
 }
 

@@ -19,6 +19,7 @@ struct Flight {
   enum class Deletion { none, random, strain } deletion = Deletion::none;
   std::string contact = "{type: eroding_surface}";
   int look_interval = 2;  // cycles between two looks; 0 for none
+  int force_interval = 0;  // cycles between two re-balances that take place in any case; 0 for none
 };
 
 struct FlightReport {

@@ -86,10 +86,14 @@ TEST(Flight, ends_with_the_same_bits_on_one_rank_and_on_all) {
     Flight f = flight(1200, seed % 2 == 0, true, seed < 2 ? Deletion::strain : Deletion::random, 3);
     f.seed = seed;
     f.look_interval = 0;
-    const FlightReport alone = fly(f, MPI_COMM_SELF), together = fly(f);
-    EXPECT_EQ(alone.state_hash, together.state_hash) << "seed " << seed;
-    EXPECT_EQ(alone.n_eroded, together.n_eroded) << "seed " << seed;
+    const FlightReport alone = fly(f, MPI_COMM_SELF);
     EXPECT_GT(alone.n_eroded, 3);
+    for (const int force_interval : {0, 3}) {
+      f.force_interval = force_interval;
+      const FlightReport together = fly(f);
+      EXPECT_EQ(alone.state_hash, together.state_hash) << "seed " << seed << ", re-balanced every " << force_interval;
+      EXPECT_EQ(alone.n_eroded, together.n_eroded) << "seed " << seed << ", re-balanced every " << force_interval;
+    }
   }
 }
 
