@@ -79,16 +79,19 @@ def binary():
 @pytest.fixture(scope="session")
 def kerf(binary, tmp_path_factory):
     """kerf(model, *settings) runs an input file, or a model given as a dictionary, to its end; settings are
-    KEY.PATH=VALUE texts. The run, on `ranks` ranks, must complete unless `completes` is False."""
+    KEY.PATH=VALUE texts. The run, on `ranks` ranks, must complete unless `completes` is False; it goes on with the
+    run `resumes` where one is given."""
 
-    def run(model, *settings, completes=True, timeout=600, ranks=1):
-        folder = tmp_path_factory.mktemp("run")
+    def run(model, *settings, completes=True, timeout=600, ranks=1, resumes=None):
+        folder = resumes.folder if resumes else tmp_path_factory.mktemp("run")
         if isinstance(model, dict):
             path = folder / "input.yaml"
             path.write_text(json.dumps(model, indent=1))  # JSON is YAML
         else:
             path = ROOT / "inputs" / model
         command = [str(binary), "run", str(path), "--output", str(folder), "--ranks", str(ranks)]
+        if resumes:
+            command.append("--resume")
         for setting in settings:
             command += ["--set", setting]
         process = subprocess.run(command, capture_output=True, text=True, timeout=timeout)

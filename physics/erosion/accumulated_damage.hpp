@@ -8,6 +8,7 @@
 #pragma once
 
 #include <kerf/erosion.hpp>
+#include <kerf/law_use.hpp>
 
 #include <string>
 #include <vector>
@@ -33,7 +34,7 @@ struct DamageReads {
 ///   static describe(Schema<LawType>&), which calls describe_damage
 /// A law whose amount does not grow in proportion to the plastic strain hides `growth`.
 template <class LawType>
-class AccumulatedDamage : public PointwiseErosion<LawType> {
+class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
  public:
   static constexpr bool can_soften = true;
   static constexpr unsigned inputs = with_initial_length;
@@ -59,6 +60,19 @@ class AccumulatedDamage : public PointwiseErosion<LawType> {
     average.increment = 2;
     average.sum = 0;
     return average;
+  }
+
+  std::vector<std::string> warnings(LawUse& use) const override {
+    if (!(nonlocal_radius > 0.0)) return {};
+    const double sphere = 4.0 / 3.0 * 3.14159265358979324 * nonlocal_radius * nonlocal_radius * nonlocal_radius;
+    const double volume = static_cast<double>(use.n_elements) * use.length * use.length * use.length;
+    if (nonlocal_radius < use.length)
+      return {"nonlocal_radius is less than the length of an element of part " + use.part +
+              ", which has no neighbour so near: each element is its own average; use a radius of two elements or more"};
+    if (sphere > volume)
+      return {"the sphere of nonlocal_radius is larger than part " + use.part +
+              ": the average is over nearly all of the part, and nothing localises; use a smaller radius"};
+    return {};
   }
 
   template <class Reads, class State>

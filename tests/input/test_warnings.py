@@ -44,6 +44,13 @@ CASES = {
                         [("43:5", "the load gravity is zero at all times")]),
     "idle curve": ([("materials:\n", "curves:\n  ramp: {times: 0 1 us, values: 0 1}\nmaterials:\n")],
                    [("11:3", "nothing uses the curve `ramp`; name it where it is meant to act")]),
+    "average over nothing": ([("{type: plastic_strain, limit: 1.5}",
+                               "{type: rice_tracey, limit: 0.5, nonlocal_radius: 0.5 mm}")],
+                             [("22:11", "nonlocal_radius is less than the length of an element of part target"),
+                              ("22:11", "nonlocal_radius is less than the length of an element of part striker")]),
+    "average over all": ([("{type: plastic_strain, limit: 1.5}",
+                           "{type: rice_tracey, limit: 0.5, nonlocal_radius: 1.5 mm}")],
+                         [("22:11", "the sphere of nonlocal_radius is larger than part striker")]),
     "overlap without contact": ([(CONTACT, ""), ("origin: 1 1 2.1 mm", "origin: 1 1 1.5 mm")],
                                 [("31:5", "parts target and striker overlap at the start: they share 2e-09 m3")]),
 }

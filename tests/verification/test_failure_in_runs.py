@@ -121,6 +121,29 @@ def test_the_bits_do_not_depend_on_the_ranks(kerf, criteria):
     assert alone.summary["eroded"]["elements"] + alone.summary["no_tension"]["elements"] > 0
 
 
+@pytest.mark.parametrize("criteria", [[SPALL], [NONLOCAL]], ids=["no_tension", "nonlocal"])
+def test_a_restart_goes_on_as_if_nothing_had_been(kerf, criteria):
+    whole = kerf(block(criteria))
+    half = whole.summary["cycles"] // 2
+    assert whole.summary["eroded"]["elements"] + whole.summary["no_tension"]["elements"] > 0
+    stopped = kerf(block(criteria), f"time.maximum_cycles={half}", ranks=3)
+    resumed = kerf(block(criteria), ranks=2, resumes=stopped)
+    assert resumed.summary["state_hash"] == whole.summary["state_hash"]
+    assert resumed.summary["eroded"] == whole.summary["eroded"]
+
+
+def test_an_average_over_one_element_is_local_damage_a_step_later(kerf):
+    def cycle_of_deletion(**more):
+        criterion = {"type": "ductile_damage", "failure_strain": 0.02, **more}
+        (row,) = deletions(kerf(pulled(criterion, cells=1, length=0.0005), "output.element_fields=[]"))
+        return int(row["cycle"])
+
+    local = cycle_of_deletion()
+    assert local > 2
+    # What the average adds at the end of a step is seen by the next one.
+    assert cycle_of_deletion(nonlocal_radius="0.2 mm") == local + 1
+
+
 # ---- conditions -----------------------------------------------------------------------------------------------------
 
 
