@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <utility>
 
+#include "core/units.hpp"
 #include "input/library.hpp"
 #include "input/substitute.hpp"
 
@@ -63,6 +65,19 @@ std::unique_ptr<Entry> take_library_key(Node& material) {
 
 bool names_a_set(const Entry& material) { return material.value.is_map() && material.value.find("library"); }
 
+/// The constants of a set belong to its density.
+void warn_of_density(const MaterialSet& set, const Node& given, Diagnostics& diagnostics) {
+  constexpr double much = 0.1;
+  const Entry *ours = given.find("density"), *theirs = set.material.find("density");
+  if (!ours || !theirs || !ours->value.is_scalar() || !theirs->value.is_scalar()) return;
+  const Quantity own = to_si(ours->value.text, "kg/m3"), usual = to_si(theirs->value.text, "kg/m3");
+  if (!own.ok() || !usual.ok() || std::fabs(own.value / usual.value - 1.0) <= much) return;
+  diagnostics.warning(ours->value.origin,
+                      fmt::format("the density of {} is not that of the set `{}`, {}, to which its other constants "
+                                  "belong; leave it out, or give all of them",
+                                  quantity_text(own.value, "kg/m3"), set.name, quantity_text(usual.value, "kg/m3")));
+}
+
 void warn_of(const MaterialSet& set, const Entry& key, Diagnostics& diagnostics) {
   if (!set.verified)
     diagnostics.warning(key.value.origin,
@@ -119,6 +134,7 @@ std::vector<LibraryUse> expand_library(Node& root, const std::string& input_fold
       continue;
     }
     warn_of(*set, *key, diagnostics);
+    warn_of_density(*set, material.value, diagnostics);
     take_suggestions(material.value, *set, diagnostics);
     LibraryUse use{material.key, set->name, set->file, set->hash(), set->verified, {}};
     Node expanded = set->material;

@@ -223,7 +223,7 @@ std::vector<std::string> Loads::complaints(const Model& model) {
     const LoadedFacet facet = seen(model, on, shares_of(model.nodes, on.mark.facet));
     std::string text = marks_.laws()[k]->objection(facet);
     ++n_facets[k];
-    if (marks_.laws()[k]->can_reach(facet)) ++n_reached[k];
+    if (marks_.laws()[k]->can_reach(facet, model.input->time.end)) ++n_reached[k];
     if (text.empty()) continue;
     ++n_refused[k];
     if (facet.id < first[k]) texts[k] = std::move(text);

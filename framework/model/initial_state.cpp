@@ -83,7 +83,7 @@ void fill_stress_rows(Batch& b, const MaterialInput& m, Sample& s, double* state
   b.shear_modulus = s.shear;
 }
 
-void ask(const MaterialInput& m, Sample& s) {
+void ask_stress_law(const MaterialInput& m, Sample& s) {
   std::vector<double> state = initial_rows(m.stress_law(), m.density);
   if (m.solid) {
     SolidBatch b;
@@ -95,6 +95,9 @@ void ask(const MaterialInput& m, Sample& s) {
   MaterialBatch b;
   fill_stress_rows(b, m, s, state.data());
   m.strength->update(b);
+}
+
+void ask_eos(const MaterialInput& m, Sample& s) {
   const std::vector<double> eos_state = initial_rows(*m.eos, m.density);
   EosBatch e;
   s.fill(e, *m.eos, m);
@@ -107,19 +110,22 @@ void ask(const MaterialInput& m, Sample& s) {
   m.eos->evaluate(e);
 }
 
-/// Calls `work`, which asks the laws of a material; what they throw is an error of the input.
+/// Calls `work`, which asks a law of a material; what it throws is an error of the input.
 template <class Work>
-void told(const MaterialInput& m, const Work& work) {
+void told(const MaterialInput& m, const Law& law, const Work& work) {
   try {
     work();
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& e) {
     throw InputError(
-        {fmt::format("{}: error: a law of material {} has thrown an exception for the undeformed material: "
-                     "{}",
-                     m.stress_law().origin, m.name, e.what())});
+        {fmt::format("{}: error: the law {} of material {} cannot start: {}", law.origin, law.type, m.name, e.what())});
   }
+}
+
+void ask(const MaterialInput& m, Sample& s) {
+  told(m, m.stress_law(), [&] { ask_stress_law(m, s); });
+  if (m.eos) told(m, *m.eos, [&] { ask_eos(m, s); });
 }
 
 /// Whether an entry of `initial_state` may reach elements of a part.
@@ -135,31 +141,42 @@ bool may_reach(const InitialStateInput& initial, const PartInput& part, const Mo
 }  // namespace
 
 void ask_moduli(PartModel& part, const ModelInput& input) {
+  constexpr double warming = 1e3;  // [J/kg], a few degrees
   const MaterialInput& m = *part.material;
   Sample cold(m, 0.0);
-  told(m, [&] { ask(m, cold); });
+  ask(m, cold);
   part.shear_modulus = cold.shear[0];
   part.bulk_modulus = cold.bulk[0];
   part.initial_pressure = cold.pressure[0];
+  Sample warm(m, warming);
+  ask(m, warm);
+  part.grueneisen = (warm.pressure[0] - cold.pressure[0]) / (m.density * warming);
   part.initial_energy = (m.solid ? m.solid->initial_energy_density() : m.eos->initial_energy_density()) / m.density;
   for (const auto& initial : input.initial_states) {
     if (initial->variable != "specific_energy" || !may_reach(*initial, *part.input, input)) continue;
     Sample hot(m, to_si(initial->value, "J/kg").value);
-    told(m, [&] { ask(m, hot); });
+    ask(m, hot);
     part.hot_stiffness = std::max({part.hot_stiffness, hot.bulk[0], std::fabs(hot.pressure[0])});
   }
+  if (!(part.bulk_modulus + 4.0 / 3.0 * part.shear_modulus > 0.0) && !(part.hot_stiffness > 0.0))
+    throw InputError({fmt::format(
+        "{}: error: material {} of part {} has no stiffness at the start: its bulk modulus is {:.3g} Pa and its shear "
+        "modulus {:.3g} Pa; expected constants, or an initial energy, with which it resists compression",
+        m.eos ? m.eos->origin : m.stress_law().origin, m.name, part.input->name, part.bulk_modulus,
+        part.shear_modulus)});
 }
 
 namespace {
 
 void initialise_states(const MaterialInput& m, const PartModel& part, const InitialPoint& point, double* record) {
   const PartStore& store = *part.store;
-  start(m.stress_law(), point, record + store.offset(PartStore::material_state));
-  if (m.eos) start(*m.eos, point, record + store.offset(PartStore::eos_state));
+  const auto start_told = [&](const auto& law, double* state) { told(m, law, [&] { start(law, point, state); }); };
+  start_told(m.stress_law(), record + store.offset(PartStore::material_state));
+  if (m.eos) start_told(*m.eos, record + store.offset(PartStore::eos_state));
   if (m.erosion) {
     double* state = record + store.offset(PartStore::erosion_state) + part.first_criterion_state;
     for (const auto& c : m.erosion->criteria) {
-      start(*c, point, state);
+      start_told(*c, state);
       state += c->state_variables().size();
     }
   }
@@ -170,7 +187,7 @@ void initialise_states(const MaterialInput& m, const PartModel& part, const Init
 void initialise_laws(const PartModel& part, const InitialPoint& point, double* record) {
   const MaterialInput& m = *part.material;
   const PartStore& store = *part.store;
-  told(m, [&] { initialise_states(m, part, point, record); });
+  initialise_states(m, part, point, record);
   if (store.field(PartStore::place).n_components == 0) return;
   double* place = record + store.offset(PartStore::place);
   for (int d = 0; d < 3; ++d) place[d] = point.position[d];

@@ -22,6 +22,7 @@ class PartUse final : public LawUse {
     part = used.input->name;
     density = used.material->density;
     end = model.input->time.end;
+    grueneisen = used.grueneisen;
     n_elements = used.n_elements;
     double volume = 0.0;
     for (int s = 0; s < used.store->n_slots(); ++s)
@@ -53,8 +54,24 @@ class PartUse final : public LawUse {
     each(variable, [&](double value) { n += value >= limit ? 1 : 0; });
     return sum_of(model_.comm, n);
   }
+  double distance(const std::function<Vec3(Vec3)>& nearest) override {
+    double least = infinity;
+    for (const PartModel& p : model_.parts) {
+      for (int s = 0; p.material == part_.material && s < p.store->n_slots(); ++s) {
+        if (!p.store->live(s)) continue;
+        const Vec3 x = centre(*p.store, s);
+        least = std::min(least, norm(x - nearest(x)));
+      }
+    }
+    return -greatest_of(-least);
+  }
 
  private:
+  Vec3 centre(const PartStore& store, int slot) const {
+    Vec3 sum;
+    for (int k = 0; k < store.n_nodes(); ++k) sum = sum + model_.nodes.x(store.node(slot, k));
+    return sum * (1.0 / store.n_nodes());
+  }
   double greatest_of(double value) const { return kerf::greatest(model_.comm, value); }
   template <class Work>
   void each(const std::string& variable, const Work& work) const {

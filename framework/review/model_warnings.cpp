@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 
+#include "kerf/law_use.hpp"
 #include "kerf/shape.hpp"
 #include "mesh/quality.hpp"
 #include "model/node_group.hpp"
@@ -267,6 +268,26 @@ void warn_of_distance(const Model& model, const Encounters& encounters, Lines& l
                   input_of(model, part).name, farthest, strain, model.scale.shortest_edge)));
 }
 
+/// Moduli that do not belong together, and gases with a strength.
+void warn_of_odd_moduli(const Model& model, Lines& lines) {
+  for (const PartModel& part : model.parts) {
+    const double K = part.bulk_modulus, G = part.shear_modulus;
+    const Law& law = part.material->stress_law();
+    const auto* holder = dynamic_cast<const EnergyHolder*>(part.material->eos.get());
+    if (holder != nullptr && G > 0.0)
+      lines.push_back(warning(law.origin, fmt::format("the explosive of part {} keeps its strength when it has burnt, "
+                                                      "though its products are a gas; use `strength: {{type: "
+                                                      "hydrodynamic}}` unless strength matters before it burns",
+                                                      part.input->name)));
+    else if (3.0 * K < 2.0 * G)
+      lines.push_back(warning(
+          law.origin, fmt::format("part {} has a bulk modulus of {:.3g} Pa and a shear modulus of {:.3g} Pa at the "
+                                  "start, so that Poisson's ratio is {:.2f}; expected 0 or more: check both and their "
+                                  "units",
+                                  part.input->name, K, G, (1.5 * K - G) / (3.0 * K + G))));
+  }
+}
+
 /// Loads without a node or a facet, and loads that are zero at all times.
 void warn_of_idle_loads(const Model& model, const std::vector<std::int64_t>& targets, Lines& lines) {
   for (std::size_t k = 0; k < targets.size(); ++k) {
@@ -300,6 +321,7 @@ Lines model_warnings(Model& model, const ContactCover& cover, const std::vector<
   warn_of_empty_planes(model, lines);
   warn_of_distance(model, encounters, lines);
   warn_of_idle_loads(model, load_targets, lines);
+  warn_of_odd_moduli(model, lines);
   for (std::string& line : law_warnings(model)) lines.push_back(std::move(line));
   return lines;
 }

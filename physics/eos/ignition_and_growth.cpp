@@ -37,12 +37,13 @@ struct IgnitionAndGrowth final : PointwiseEos<IgnitionAndGrowth>, EnergyHolder {
     s.real(&T::reference_pressure, "reference_pressure", "Pa", positive,
            "pressure over which that in the growth terms is taken: 1 Mbar where G1 and G2 belong to Mbar")
         .by_default("100 GPa");
-    s.real(&T::I, "I", "1/s", non_negative, "rate of ignition");
+    s.real(&T::I, "I", "1/s", non_negative, "rate of ignition (tables give it in 1/us)").usual(between(1e5, 1e25));
     s.real(&T::b, "b", "-", non_negative, "exponent of the unburnt share in ignition");
     s.real(&T::a, "a", "-", any_value, "compression below which nothing ignites").by_default("0");
     s.real(&T::x, "x", "-", positive, "exponent of the compression in ignition");
     s.real(&T::figmax, "figmax", "-", fraction, "burnt share at which ignition ends").by_default("1");
-    s.real(&T::G1, "G1", "1/s", non_negative, "rate of growth");
+    s.real(&T::G1, "G1", "1/s", non_negative, "rate of growth (tables give it in 1/us, per Mbar to the power y)")
+        .usual(between(1e4, 1e13));
     s.real(&T::c, "c", "-", non_negative, "exponent of the unburnt share in growth");
     s.real(&T::d, "d", "-", non_negative, "exponent of the burnt share in growth");
     s.real(&T::y, "y", "-", non_negative, "exponent of the pressure in growth");

@@ -59,6 +59,8 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
         .optional();
     s.rule("burn", "`burn: time` needs the key detonators, or `arrival: eikonal` and another explosive beside it",
            [](const Jwl& j) { return j.burn != "time" || j.starts_unburnt(); });
+    s.rule("detonators", "`burn: compression` uses no detonators; leave the key out, or burn by both",
+           [](const Jwl& j) { return j.burn != "compression" || j.detonators.empty(); });
     s.rule("detonators", "the key `normal` of a detonator must not be zero", [](const Jwl& j) {
       return std::none_of(j.detonators.begin(), j.detonators.end(),
                           [](const auto& d) { return d->is_plane() && !(norm(d->normal) > 0.0); });
@@ -76,9 +78,11 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
     }
     find_detonation();
     const double D = velocity(point.density);
-    if (burn != "time" && pressure_behind() >= point.density * D * D)
+    if (const double most = point.density * D * D; burn != "time" && pressure_behind() >= most)
       throw std::runtime_error(
-          "jwl: cj_pressure is not below density times detonation_velocity squared; expected about a quarter of it");
+          text("the pressure behind the detonation, %.4g Pa, is not below density times velocity squared, %.4g Pa for "
+               "%.4g m/s; expected about a quarter of it: check cj_pressure, detonation_velocity and density",
+               pressure_behind(), most, D));
     state.burn_fraction = 0.0;
     if (!asks_for_arrival() && burn != "compression")
       state.lighting_time = first_arrival(detonators, point.position, D);
@@ -100,8 +104,10 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
   }
 
   std::vector<std::string> warnings(LawUse& use) const override {
+    if (!starts_unburnt())
+      return {"no detonator is given, so that the explosive of part " + use.part +
+              " is burnt at the start; name detonators, or burn it by compression"};
     std::vector<std::string> lines;
-    if (!starts_unburnt()) return lines;
     warn_of_other_detonation(use, lines);
     if (burn == "compression") return lines;
     for (std::size_t k = 0; k < detonators.size(); ++k)
@@ -110,6 +116,7 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
             text("detonator %zu of part %s lights at %.3g s, and the run ends at %.3g s; raise time.end, or "
                  "let it light earlier",
                  k + 1, use.part.c_str(), detonators[k]->time, use.end));
+    warn_of_far_detonators(use, lines);
     warn_of_arrival(use, lines);
     return lines;
   }
@@ -137,8 +144,8 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
     cj_ = find_cj({A, B, R1, R2, omega}, initial_energy);
     if (!cj_.exists)
       throw std::runtime_error(
-          "jwl: these constants have no Chapman-Jouguet state, which the detonation's velocity and pressure are taken "
-          "from; expected a set of constants of one explosive, or the keys detonation_velocity and cj_pressure");
+          "its constants have no Chapman-Jouguet state, from which the detonation's velocity and pressure follow; "
+          "expected a set of constants of one explosive, or the keys detonation_velocity and cj_pressure");
   }
   double velocity(double reference_density) const {
     return select(detonation_velocity > 0.0, detonation_velocity, cj_.velocity(reference_density));
@@ -183,6 +190,19 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
           text("the constants of jwl give a Chapman-Jouguet pressure of %.4g Pa, %+.1f %% from the cj_pressure "
                "of %.4g Pa; check the constants, or leave cj_pressure out",
                cj.pressure, 100.0 * (cj.pressure / cj_pressure - 1.0), cj_pressure));
+  }
+
+  /// A detonator that lies off the explosive lights it late, and is most likely in the wrong place or unit.
+  void warn_of_far_detonators(LawUse& use, std::vector<std::string>& lines) const {
+    for (std::size_t k = 0; k < detonators.size(); ++k) {
+      const Detonator& d = *detonators[k];
+      const double off = use.distance([&d](Vec3 x) { return d.nearest(x); });
+      if (!(off > 2.0 * use.length)) continue;
+      lines.push_back(
+          text("detonator %zu lies %.3g m off the nearest element of its explosive, which is lit late by %.3g s; "
+               "place it inside",
+               k + 1, off, off / velocity(use.density)));
+    }
   }
 
   void warn_of_arrival(LawUse& use, std::vector<std::string>& lines) const {

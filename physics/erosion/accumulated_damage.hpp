@@ -67,8 +67,9 @@ class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
     const double sphere = 4.0 / 3.0 * 3.14159265358979324 * nonlocal_radius * nonlocal_radius * nonlocal_radius;
     const double volume = static_cast<double>(use.n_elements) * use.length * use.length * use.length;
     if (nonlocal_radius < use.length)
-      return {"nonlocal_radius is less than the length of an element of part " + use.part +
-              ", which has no neighbour so near: each element is its own average; use a radius of two elements or more"};
+      return {
+          "nonlocal_radius is less than the length of an element of part " + use.part +
+          ", which has no neighbour so near: each element is its own average; use a radius of two elements or more"};
     if (sphere > volume)
       return {"the sphere of nonlocal_radius is larger than part " + use.part +
               ": the average is over nearly all of the part, and nothing localises; use a smaller radius"};

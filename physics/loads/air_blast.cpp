@@ -214,14 +214,15 @@ struct AirBlast final : FacetLoad {
     const bool near = !(ray.distance > table().nearest * power_of_ten(kerf::log10(mass) / 3.0));
     return ray.cosine > 0.0 || near ? out_of_range(ray.distance) : std::string{};
   }
-  bool can_reach(const LoadedFacet& f) const override {
+  bool can_reach(const LoadedFacet& f, double end) const override {
     const Ray ray(*this, f);
     if (!(ray.cosine > 0.0)) return false;
     const double log10_root = kerf::log10(mass) / 3.0, log10_z = kerf::log10(ray.distance) - log10_root;
     if (!table().holds(log10_z)) return true;  // which objection() tells
-    const double end =
-        power_of_ten(log10_of(table().arrival, log10_z)) + power_of_ten(log10_of(table().duration, log10_z));
-    return detonation + 1e-3 * end * power_of_ten(log10_root) > 0.0;  // not over before the run begins
+    const double scale = 1e-3 * power_of_ten(log10_root);
+    const double arrival = detonation + scale * power_of_ten(log10_of(table().arrival, log10_z));
+    const double duration = scale * power_of_ten(log10_of(table().duration, log10_z));
+    return arrival + duration > 0.0 && arrival < end;
   }
 
   FacetForce force(const LoadedFacet& f, double time) const override {

@@ -53,6 +53,8 @@ struct JohnsonCook final : Material {
         .by_default("0.9");
     s.rule("melting_temperature", "melting_temperature must be above reference_temperature",
            [](const JohnsonCook& j) { return j.melting_temperature > j.reference_temperature; });
+    s.rule("initial_temperature", "initial_temperature must be below melting_temperature: molten, it has no strength",
+           [](const JohnsonCook& j) { return j.melting_temperature > j.initial_temperature; });
     s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0,
             "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)")
         .within(non_negative);

@@ -5,7 +5,13 @@
 // rate", J. Appl. Phys. 51 (1980) 1498-1504, eqs. 1 to 4; D.J. Steinberg, "Equation of state and strength properties of
 // selected materials", UCRL-MA-106439 (1996), for constants; J.C. Simo & T.J.R. Hughes, Computational Inelasticity
 // (1998), box 3.1 (radial return).
+#include <kerf/law_use.hpp>
 #include <kerf/material.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -17,7 +23,7 @@ using namespace kerf;
 /// The temperature is (e - ec)/cv, with the energy ec of the cold curve of the equation of state. Its pressure is
 /// linear in energy, p = pc + rho Gamma (e - ec) with rho Gamma = rho0 (gamma0 + b mu). So each step's pressure and
 /// energy tell the cold pressure pc, whatever the equation is, and dec = -pc d(1/rho) is integrated beside.
-struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan> {
+struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan>, WarningLaw {
   double G0 = 0.0, Y0 = 0.0, Y_max = 0.0;  // [Pa]
   double beta = 0.0, n = 0.0, initial_strain = 0.0;  // [-]
   double A = 0.0, B = 0.0;  // [1/Pa], [1/K]
@@ -85,6 +91,17 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan> {
     state.cold_pressure = point.density * gamma0 * state.cold_energy;
   }
   double cost() const override { return 12.0; }
+
+  /// The cold curve is integrated from the pressure less Gamma rho e, which must be what the equation of state adds.
+  std::vector<std::string> warnings(LawUse& use) const override {
+    if (std::fabs(use.grueneisen - gamma0) <= 0.02 * (gamma0 + 0.1)) return {};
+    char line[256];
+    std::snprintf(line, sizeof line,
+                  "gamma0 of steinberg_guinan is %.4g, and the equation of state of part %s has %.4g, so that "
+                  "temperatures are wrong; give both laws the same",
+                  gamma0, use.part.c_str(), use.grueneisen);
+    return {line};
+  }
 
   void update_point(const PointInput& in, SymTensor& stress, State& state, double& shear_modulus) const {
     const double specific_volume = 1.0 / in.reference_density, volume_ratio = in.volume_ratio();

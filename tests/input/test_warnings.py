@@ -7,6 +7,11 @@ from input_case import GOOD, SOURCE, kerf, on_ranks, spoiled, summary_of
 INPUTS = sorted((SOURCE / "inputs").glob("*/*.yaml"))
 CONTACT = "contacts:\n  - {type: eroding_surface}\n"
 
+LINEAR = "eos: {type: linear, bulk_modulus: 130 GPa}"
+TNT = "{type: jwl, A: 371.2 GPa, B: 3.231 GPa, R1: 4.15, R2: 0.95, omega: 0.3, initial_energy: 7 GJ/m3"
+STRONG_GAS = [("13:5", f"the explosive of part {name} keeps its strength when it has burnt")
+              for name in ("target", "striker")]
+
 # Name: (edits of the good input, start of each line after the file's name, with what must stand in it).
 CASES = {
     "forgotten contact": ([(CONTACT, "")],
@@ -44,6 +49,33 @@ CASES = {
                         [("43:5", "the load gravity is zero at all times")]),
     "idle curve": ([("materials:\n", "curves:\n  ramp: {times: 0 1 us, values: 0 1}\nmaterials:\n")],
                    [("11:3", "nothing uses the curve `ramp`; name it where it is meant to act")]),
+    "soft in volume": ([("bulk_modulus: 130 GPa", "bulk_modulus: 13 GPa")],
+                       [("13:5", "part target has a bulk modulus of 1.3e+10 Pa and a shear modulus of 4.3e+10 Pa at "
+                                 "the start, so that Poisson's ratio is -0.29"),
+                        ("13:5", "part striker has a bulk modulus of 1.3e+10 Pa")]),
+    "burnt from the start": ([(LINEAR, "eos: " + TNT + "}"),
+                              ("time:\n  end: 2 us", "time: {safety_factor: 0.1,\n  end: 2 us}")],
+                             [*STRONG_GAS,
+                              ("18:5", "no detonator is given, so that the explosive of part target is burnt"),
+                              ("18:5", "no detonator is given, so that the explosive of part striker is burnt")]),
+    "detonator outside": ([(LINEAR, "eos: " + TNT + ", detonators: [{point: 0 0 200 mm}]}"),
+                           ("density: 8930 kg/m3", "density: 1630 kg/m3"), ("end: 2 us", "end: 60 us")],
+                          [*STRONG_GAS,
+                           ("18:5", "detonator 1 lies 0.196 m off the nearest element of its explosive, which is lit "
+                                     "late by 2.83e-05 s"),
+                           ("18:5", "the detonation runs over 2 cells of part target"),
+                           ("18:5", "the detonation runs over 2 cells of part striker")]),
+    "two Grueneisen parameters": ([("type: elastic_plastic", "type: steinberg_guinan"),
+                                   ("yield_stress: 400 MPa\n      hardening_modulus: 100 MPa",
+                                    "yield_stress: 120 MPa\n      maximum_yield_stress: 640 MPa\n      beta: 36\n"
+                                    "      n: 0.45\n      A: 2.83e-11 1/Pa\n      B: 3.77e-4 1/K\n      gamma0: 2.02\n"
+                                    "      a: 1.5\n      melting_temperature: 1790 K\n"
+                                    "      specific_heat: 383 J/(kg K)"),
+                                   (LINEAR, "eos: {type: mie_gruneisen, c0: 3940 m/s, s: 1.49, gamma0: 1.5}")],
+                                  [("13:5", "gamma0 of steinberg_guinan is 2.02, and the equation of state of part "
+                                            "target has 1.5"),
+                                   ("13:5", "gamma0 of steinberg_guinan is 2.02, and the equation of state of part "
+                                            "striker has 1.5")]),
     "average over nothing": ([("{type: plastic_strain, limit: 1.5}",
                                "{type: rice_tracey, limit: 0.5, nonlocal_radius: 0.5 mm}")],
                              [("22:11", "nonlocal_radius is less than the length of an element of part target"),
@@ -71,6 +103,17 @@ def test_warns_and_runs(name, tmp_path):
     assert len(said[0]) == len(expected), said[0]
     for line, (place, text) in zip(said[0], expected):
         assert line.startswith(f"case.yaml:{place}: warning: ") and text in line and "; " in line, line
+
+
+@pytest.mark.parametrize("density, warned", [("7850 kg/m3", True), ("8.9 g/cm3", False)])
+def test_a_density_that_is_not_that_of_the_set(density, warned, tmp_path):
+    start, end = GOOD.index("    density:"), GOOD.index("    erosion:")
+    material = f"    library: copper_ofhc_johnson_cook\n    density: {density}\n"
+    (tmp_path / "case.yaml").write_text(GOOD[:start] + material + GOOD[end:])
+    said = kerf("check", "case.yaml", cwd=tmp_path).stderr
+    assert ("case.yaml:13:14: warning: the density of 7850 kg/m3 is not that of the set `copper_ofhc_johnson_cook`, "
+            "8960 kg/m3, to which its other constants belong; leave it out" in said) == warned, said
+    assert said.count("warning:") == 1 + warned
 
 
 def test_a_layer_that_cannot_bend_is_fine(tmp_path):

@@ -4,9 +4,9 @@
     python tests/regression/stored_hashes.py --renew    writes hashes.json anew, after a change of physics on purpose
 
 The program is KERF_BINARY, or build/bin/kerf. Between them the models use every material, equation of state, solid,
-erosion criterion, contact, boundary, load and generator, both precisions and both forms of hourglass control. The models
-`laws` and `criteria` contain whatever is registered, with the samples of tests/data/sample_laws.yaml; where their
-hashes differ, `python tests/regression/stored_hashes.py --laws` runs each law alone, to compare between two machines.
+erosion criterion, contact, boundary, load and generator, both precisions and both forms of hourglass control. The
+models `laws` and `criteria` contain whatever is registered, with the samples of tests/data/sample_laws.yaml; where
+their hashes differ, `python tests/regression/stored_hashes.py --laws` runs each law alone, to compare between two machines.
 """
 
 import json

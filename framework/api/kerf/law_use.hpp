@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ class LawUse {
   std::string part;  // name
   double density = 0.0;  // reference density [kg/m3]
   double end = 0.0;  // of the run [s]
+  double grueneisen = 0.0;  // dp/d(rho e) of the equation of state, or the solid, at the reference state [-]
   std::int64_t n_elements = 0;
   double length = 0.0;  // cube root of the mean volume of the part's elements [m]
 
@@ -35,6 +37,9 @@ class LawUse {
   virtual double greatest(const std::string& variable, double below) = 0;
   /// How many elements have a value of at least `limit`.
   virtual std::int64_t count_from(const std::string& variable, double limit) = 0;
+  /// Least distance of the centre of an element from the place that is nearest to it, over all parts of the law's
+  /// material [m].
+  virtual double distance(const std::function<Vec3(Vec3)>& nearest) = 0;
 };
 
 /// A law that has something to say about its parameters, or about a part, before a run. `kerf check` and `kerf run`

@@ -74,9 +74,9 @@ class FacetLoad : public Load {
   /// Why the law cannot load a facet, as "a scaled distance of 50, outside of the table"; empty where it can. Asked of
   /// every facet before the first step: a text is an error of the input. What the run brings later, force() may throw.
   virtual std::string objection(const LoadedFacet&) const { return {}; }
-  /// Whether the load can ever push a facet, from its place before the first step. Where it can push none of its
-  /// facets, the input is refused.
-  virtual bool can_reach(const LoadedFacet&) const { return true; }
+  /// Whether the load can push a facet before the time `end` [s] of the run's end, from its place before the first
+  /// step. Where it can push none of its facets, the input is refused.
+  virtual bool can_reach(const LoadedFacet&, double /*end*/) const { return true; }
   /// Whether the facets that the erosion of a loaded element uncovers are loaded from then on.
   virtual bool follows_erosion() const { return false; }
 };

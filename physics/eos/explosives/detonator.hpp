@@ -24,6 +24,8 @@ struct Detonator {
     s.real(&Detonator::time, "time", "s", non_negative, "when it starts").by_default("0");
     s.rule("end", "a detonator is a line with `end`, or a plane with `normal`, not both",
            [](const Detonator& d) { return !d.is_line() || !d.is_plane(); });
+    s.rule("end", "a line that starts the detonation must have a length; leave `end` out for a point",
+           [](const Detonator& d) { return !d.is_line() || norm(d.end - d.point) > 0.0; });
   }
 
   Detonator() : end{none, none, none}, normal{none, none, none} {}
