@@ -6,7 +6,7 @@
 The program is KERF_BINARY, or build/bin/kerf. Between them the models use every material, equation of state, solid,
 erosion criterion, contact, boundary, load and generator, both precisions and both forms of hourglass control. The
 models `laws` and `criteria` contain whatever is registered, with the samples of tests/data/sample_laws.yaml; where
-their hashes differ, `python tests/regression/stored_hashes.py --laws` runs each law alone, to compare between two machines.
+their hashes differ, `python tests/regression/stored_hashes.py --laws` runs each law alone, to compare two machines.
 """
 
 import json
