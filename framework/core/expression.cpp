@@ -2,8 +2,8 @@
 //
 // From loosest to tightest: `or`; `and`; `not`; one comparison (< <= > >= == !=); + and -; * and /; the sign; ^, which
 // binds to the right (2^3^2 = 2^9, -x^2 = -(x^2)). Further: parentheses; numbers, with a unit where one follows ("2
-// GPa", "300 m/s", converted to SI); `pi`; `$name` for a parameter of the input; names of variables, which are in SI
-// units; and the functions of the table below. Dimensions are not checked.
+// GPa", "300 m/s", "5 1/ms", converted to SI); `pi`; `$name` for a parameter of the input; names of variables, which
+// are in SI units; and the functions of the table below. Dimensions are checked elsewhere: core/dimensions.cpp.
 #include "core/expression.hpp"
 
 #include <fmt/format.h>
@@ -44,6 +44,7 @@ bool is_unit_letter(char c) { return is_letter(c) || (static_cast<unsigned char>
 /// Thrown within the reader only.
 struct Refusal {
   std::string sentence;
+  std::size_t at;
 };
 
 class Reader {
@@ -56,14 +57,14 @@ class Reader {
       any_of_several();
       if (peek() != '\0') unexpected("an operator or the end");
     } catch (const Refusal& refusal) {
-      return {{}, refusal.sentence};
+      return {{}, refusal.sentence, static_cast<int>(refusal.at)};
     }
-    return {Expression(std::string(text_), variables_, program_), {}};
+    return {Expression(std::string(text_), variables_, program_, units_), {}, 0};
   }
 
  private:
   [[noreturn]] void refuse(std::size_t at, const std::string& what) const {
-    throw Refusal{fmt::format("\"{}\", character {}: {}", text_, at + 1, what)};
+    throw Refusal{fmt::format("\"{}\", character {}: {}", text_, at + 1, what), at};
   }
   [[noreturn]] void unexpected(const std::string& expected) {
     const char c = peek();
@@ -80,6 +81,11 @@ class Reader {
   char peek() {
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
     return at_ < text_.size() ? text_[at_] : '\0';
+  }
+  /// Where the next character that is no space stands.
+  std::size_t here() {
+    peek();
+    return at_;
   }
   bool take(std::string_view symbol) {
     peek();
@@ -104,8 +110,15 @@ class Reader {
     return true;
   }
 
-  void emit(Op op, int n_taken) { add({op, 0, 0.0}, 1 - n_taken); }
-  void emit_number(double value) { add({Op::number, 0, value}, 1); }
+  void emit(Op op, int n_taken, std::size_t offset) { add({op, 0, 0.0, static_cast<int>(offset)}, 1 - n_taken); }
+  void emit_number(double value, std::size_t offset, const std::string& unit) {
+    Expression::Instruction i{Op::number, 0, value, static_cast<int>(offset)};
+    if (const auto base = unit.empty() ? std::nullopt : unit_in_base(unit)) {
+      units_.push_back(base->exponents);
+      i.index = static_cast<int>(units_.size());
+    }
+    add(i, 1);
+  }
   void add(const Expression::Instruction& i, int growth) {
     program_.push_back(i);
     depth_ += growth;
@@ -125,31 +138,32 @@ class Reader {
 
   void any_of_several() {
     all_of_several();
-    while (take_word("or")) {
+    for (std::size_t at = here(); take_word("or"); at = here()) {
       all_of_several();
-      emit(Op::either, 2);
+      emit(Op::either, 2, at);
     }
   }
   void all_of_several() {
     condition();
-    while (take_word("and")) {
+    for (std::size_t at = here(); take_word("and"); at = here()) {
       condition();
-      emit(Op::both, 2);
+      emit(Op::both, 2, at);
     }
   }
   void condition() {
     const Nested nested(*this);
-    if (take_word("not")) {
+    if (const std::size_t at = here(); take_word("not")) {
       condition();
-      return emit(Op::opposite, 1);
+      return emit(Op::opposite, 1, at);
     }
     sum();
     Op op = Op::equal;
+    const std::size_t at = here();
     if (!take_comparison(op)) return;
     sum();
-    emit(op, 2);
-    const std::size_t here = at_;
-    if (take_comparison(op)) refuse(here, "comparisons do not chain; write `a < b and b < c`");
+    emit(op, 2, at);
+    const std::size_t again = here();
+    if (take_comparison(op)) refuse(again, "comparisons do not chain; write `a < b and b < c`");
   }
   bool take_comparison(Op& op) {
     static constexpr std::pair<std::string_view, Op> signs[] = {{"<=", Op::at_most}, {">=", Op::at_least},
@@ -168,9 +182,9 @@ class Reader {
     for (;;) {
       const char c = peek();
       if (c != '+' && c != '-') return;
-      ++at_;
+      const std::size_t at = at_++;
       product();
-      emit(c == '+' ? Op::add : Op::subtract, 2);
+      emit(c == '+' ? Op::add : Op::subtract, 2, at);
     }
   }
   void product() {
@@ -179,25 +193,25 @@ class Reader {
       const char c = peek();
       if (c != '*' && c != '/') return;
       if (text_.substr(at_, 2) == "**") refuse(at_, "`**` is no operator; write `^` for a power");
-      ++at_;
+      const std::size_t at = at_++;
       signed_power();
-      emit(c == '*' ? Op::multiply : Op::divide, 2);
+      emit(c == '*' ? Op::multiply : Op::divide, 2, at);
     }
   }
   void signed_power() {
     const Nested nested(*this);
     const char c = peek();
     if (c == '+' || c == '-') {
-      ++at_;
+      const std::size_t at = at_++;
       signed_power();
-      if (c == '-') emit(Op::negate, 1);
+      if (c == '-') emit(Op::negate, 1, at);
       return;
     }
     operand();
     if (peek() != '^') return;
-    ++at_;
+    const std::size_t at = at_++;
     signed_power();
-    emit(Op::power, 2);
+    emit(Op::power, 2, at);
   }
   void operand() {
     const char c = peek();
@@ -218,21 +232,24 @@ class Reader {
       refuse(at_, fmt::format("`{}` is no number that fits double precision", token()));
     at_ += length;
     const std::string unit = unit_here();
-    if (unit.empty()) return emit_number(value);
+    if (unit.empty()) return emit_number(value, start, unit);
     const Quantity q = to_si_of_any_kind(value, unit);
     if (!q.ok()) refuse(start, fmt::format("{}; write `*` between a number and a name", q.error));
-    emit_number(q.value);
+    emit_number(q.value, start, unit);
   }
-  /// The unit after a number: names joined by `/` without spaces, each with digits as its power ("kg/m3").
+  /// The unit after a number: names joined by `/` without spaces, each with digits as its power ("kg/m3"); "1/" may
+  /// stand before them ("1/s").
   std::string unit_here() {
     std::size_t end = at_;
     while (end < text_.size() && text_[end] == ' ') ++end;
     const std::size_t start = end;
+    const bool inverse = end > at_ && text_.substr(end, 2) == "1/";
+    if (inverse) end += 2;
     const auto names = [&] {
       while (end < text_.size() && is_unit_letter(text_[end])) ++end;
       while (end < text_.size() && is_digit(text_[end])) ++end;
     };
-    if (start == text_.size() || !is_unit_letter(text_[start])) return {};
+    if (end >= text_.size() || !is_unit_letter(text_[end])) return {};
     names();
     const std::string_view first = text_.substr(start, end - start);
     if (first == "and" || first == "or") return {};
@@ -256,10 +273,10 @@ class Reader {
     if (length == 0 || !parse_number(text.substr(0, length), number))
       refuse(start, fmt::format("the parameter ${} is \"{}\"; expected a number", name, *value));
     const std::string unit(trimmed(text.substr(length)));
-    if (unit.empty()) return emit_number(number);
+    if (unit.empty()) return emit_number(number, start, unit);
     const Quantity q = to_si_of_any_kind(number, unit);
     if (!q.ok()) refuse(start, fmt::format("the parameter ${}: {}", name, q.error));
-    emit_number(q.value);
+    emit_number(q.value, start, unit);
   }
   void name() {
     const std::size_t start = at_;
@@ -268,13 +285,13 @@ class Reader {
     if (name == "and" || name == "or" || name == "not")
       refuse(start, fmt::format("unexpected `{}`; expected a number, a name or `(`", name));
     if (peek() == '(') return call(name, start);
-    if (name == "pi") return emit_number(3.14159265358979323846);
+    if (name == "pi") return emit_number(3.14159265358979323846, start, {});
     auto it = std::find(variables_.begin(), variables_.end(), name);
     if (it == variables_.end()) {
       if (!open_) refuse(start, unknown(name));
       it = variables_.insert(variables_.end(), name);
     }
-    add({Op::variable, static_cast<int>(it - variables_.begin()), 0.0}, 1);
+    add({Op::variable, static_cast<int>(it - variables_.begin()), 0.0, static_cast<int>(start)}, 1);
   }
   std::string unknown(const std::string& name) const {
     std::string list;
@@ -301,13 +318,13 @@ class Reader {
     do {
       any_of_several();
       ++n;
-      if (folds && n > 1) emit(f->op, 2);
+      if (folds && n > 1) emit(f->op, 2, start);
     } while (take(","));
     expect(')', "`,` or `)`");
     if (folds ? n < 2 : n != f->n_arguments)
       refuse(start, fmt::format("{} takes {}{} argument{}, not {}", name, folds ? "at least " : "", f->n_arguments,
                                 f->n_arguments == 1 ? "" : "s", n));
-    if (!folds) emit(f->op, n);
+    if (!folds) emit(f->op, n, start);
   }
 
   std::string_view text_;
@@ -315,6 +332,7 @@ class Reader {
   std::vector<std::string> variables_;
   const bool open_;  // any name is a variable
   std::vector<Expression::Instruction> program_;
+  std::vector<Expression::Dimension> units_;
   std::size_t at_ = 0;
   int depth_ = 0, nested_ = 0;
 };

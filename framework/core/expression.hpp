@@ -10,10 +10,11 @@
 
 namespace kerf {
 
-/// A formula, or the sentence that says why there is none.
+/// A formula, or the sentence that says why there is none, and how many characters of the text stand before the place.
 struct ReadExpression {
   Expression expression;
   std::string error;
+  int offset = 0;
 
   bool ok() const { return error.empty(); }
 };

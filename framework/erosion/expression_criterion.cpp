@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "core/condition.hpp"
 #include "core/diagnostics.hpp"
+#include "core/dimensions.hpp"
 #include "kerf/erosion.hpp"
 
 namespace {
@@ -63,29 +63,29 @@ struct KnownRows {
   }
 };
 
-/// Fails a point where the condition holds. The expression is read when it is first asked for, with the input.
+/// Fails a point where the condition holds.
 struct ExpressionCriterion final : ErosionCriterion {
-  std::string expression;
+  Expression condition;
 
   static void describe(Schema<ExpressionCriterion>& s) {
-    s.text(&ExpressionCriterion::expression, "expression",
-           "condition at which a point fails, such as \"damage > 0.9 and pressure < -1.2 GPa\"; of the state variables "
-           "of all laws of the material, and of pressure, von_mises, triaxiality, principal_stress_1 to "
-           "principal_stress_3, stress_xx to stress_zx, density_ratio, volume_ratio, time and stable_step");
+    s.expression(&ExpressionCriterion::condition, "expression", "-", {},
+                 "condition at which a point fails, such as \"damage > 0.9 and pressure < -1.2 GPa\"; of the state "
+                 "variables of all laws of the material, and of pressure, von_mises, triaxiality, principal_stress_1 "
+                 "to principal_stress_3, stress_xx to stress_zx, density_ratio, volume_ratio, time and stable_step");
     describe_interval(s);
   }
 
   /// Variables of laws, in the order of the expression. What no law declares is told by complaints().
   std::vector<ReadVariable> reads() const override {
     std::vector<ReadVariable> all;
-    for (const Condition::Variable& v : program().variables()) {
-      if (place_of(v.name) >= 0) continue;
+    for (const std::string& name : condition.variables()) {
+      if (place_of(name) >= 0) continue;
       ReadVariable r;
-      r.name = v.name;
+      r.name = name;
       r.doc = "named in the expression";
       r.index = static_cast<int>(all.size());
       r.is_optional = true;
-      r.name_of = [name = v.name](const Plugin&) { return name; };
+      r.name_of = [name](const Plugin&) { return name; };
       all.push_back(std::move(r));
     }
     return all;
@@ -93,62 +93,63 @@ struct ExpressionCriterion final : ErosionCriterion {
 
   std::vector<ReadComplaint> complaints(const std::map<std::string, std::string>& units) const override {
     std::vector<ReadComplaint> all;
-    std::vector<std::string> names;
-    for (const Known& k : known) names.emplace_back(k.name);
-    for (const auto& [name, unit] : units)
-      if (place_of(name) < 0) names.push_back(name);
-    if (program().variables().empty() && program().faults({}).empty())
+    if (condition.variables().empty())
       all.push_back(
           {"expression", 0, "the condition names no variable, so that it holds always or never; expected one"});
-    if (program().variables().size() > most_variables)
+    if (condition.variables().size() > most_variables)
       all.push_back({"expression", 0, fmt::format("expected at most {} different variables", most_variables)});
-    for (const Condition::Variable& v : program().variables()) {
-      if (place_of(v.name) >= 0 && v.name != "pressure" && units.contains(v.name))
-        all.push_back({"expression", v.offset,
-                       fmt::format("a law of the material keeps a variable \"{}\" too, and nobody could know which is "
-                                   "meant; expected another variable",
-                                   v.name)});
-      if (place_of(v.name) >= 0 || units.contains(v.name)) continue;
-      const std::string near = nearest_name(v.name, names);
-      all.push_back({"expression", v.offset,
-                     fmt::format("there is no variable \"{}\"{}; the variables are {}", v.name,
-                                 near.empty() ? "" : fmt::format("; did you mean {}?", near), fmt::join(names, ", "))});
-    }
+    complain_of_variables(units, all);
     const auto unit_of = [&](const std::string& name) -> std::optional<std::string> {
       if (const int k = place_of(name); k >= 0) return known[static_cast<std::size_t>(k)].unit;
       const auto found = units.find(name);
       return found == units.end() ? std::nullopt : std::optional(found->second);
     };
-    for (const Condition::Fault& f : program().faults(unit_of)) all.push_back({"expression", f.offset, f.sentence});
+    for (const DimensionFault& f : faults_of_condition(condition, unit_of))
+      all.push_back({"expression", f.offset, f.sentence});
     return all;
   }
 
+  /// A condition that is unknown, NaN, is told by who asks.
   void judge(const ErosionBatch& b) const override {
-    const Condition& condition = program();
     const KnownRows at_point(b);
     std::array<const double*, most_variables> rows{};
     std::size_t n = 0, n_read = 0;
-    for (const Condition::Variable& v : condition.variables()) {
-      const int k = place_of(v.name);
+    for (const std::string& name : condition.variables()) {
+      const int k = place_of(name);
       rows[n++] = k >= 0 ? at_point.rows[k] : b.reads[n_read++];
     }
-    alignas(64) double failed[lane_width];
-    condition.evaluate(rows.data(), failed);
-    std::copy_n(failed, lane_width, b.failed);
-    if (n > 0)
-      std::copy_n(rows[0], lane_width, b.value);
-    else
-      std::copy_n(failed, lane_width, b.value);
+    condition.values(rows.data(), b.failed);
+    std::copy_n(rows[0], lane_width, b.value);
   }
 
  private:
   static constexpr std::size_t most_variables = 64;
 
-  const Condition& program() const {
-    if (!program_) program_ = std::make_unique<Condition>(expression);
-    return *program_;
+  /// Where a variable first stands in the text.
+  int offset_of(std::size_t variable) const {
+    for (const Expression::Instruction& i : condition.program())
+      if (i.op == Expression::Op::variable && i.index == static_cast<int>(variable)) return i.offset;
+    return 0;
   }
-  mutable std::unique_ptr<Condition> program_;
+  void complain_of_variables(const std::map<std::string, std::string>& units, std::vector<ReadComplaint>& all) const {
+    std::vector<std::string> names;
+    for (const Known& k : known) names.emplace_back(k.name);
+    for (const auto& [name, unit] : units)
+      if (place_of(name) < 0) names.push_back(name);
+    for (std::size_t i = 0; i < condition.variables().size(); ++i) {
+      const std::string& name = condition.variables()[i];
+      if (place_of(name) >= 0 && name != "pressure" && units.contains(name))
+        all.push_back({"expression", offset_of(i),
+                       fmt::format("a law of the material keeps a variable \"{}\" too, and nobody could know which is "
+                                   "meant; expected another variable",
+                                   name)});
+      if (place_of(name) >= 0 || units.contains(name)) continue;
+      const std::string near = nearest_name(name, names);
+      all.push_back({"expression", offset_of(i),
+                     fmt::format("there is no variable \"{}\"{}; the variables are {}", name,
+                                 near.empty() ? "" : fmt::format("; did you mean {}?", near), fmt::join(names, ", "))});
+    }
+  }
 };
 
 }  // namespace

@@ -68,6 +68,21 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
   return dead;
 }
 
+/// Throws where a verdict on a live element is NaN.
+void PartJudge::refuse_unknown(const ErosionCriterion& law, const Verdicts& v, int block) const {
+  double sum = 0.0;
+  for (int l = 0; l < lane_width; ++l) sum += v.failed[l];
+  if (sum == sum) return;
+  for (int l = 0; l < lane_width; ++l) {
+    const int slot = block * lane_width + l;
+    if (v.failed[l] == v.failed[l] || slot >= store_->n_slots() || !store_->live(slot)) continue;
+    throw LawError(law, block, l,
+                   "whether the element has failed is not known: a number in the criterion is none (NaN), as after "
+                   "0/0 or the root of a negative number; expected a condition that guards against it, such as "
+                   "`von_mises > 0 and ...`");
+  }
+}
+
 /// A criterion that keeps state or softens is asked every cycle, and heard in the cycles of its interval.
 void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
   const Criterion& c = criteria_[k];
@@ -91,6 +106,7 @@ void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
     detail::rotate_tensors(c.access.tensors, *reinterpret_cast<const double(*)[9][lane_width]>(rows.rotation),
                            rows.state);
   detail::in_block(*c.law, block, [&] { c.law->judge(rows); });
+  if (v.looked[k]) refuse_unknown(*c.law, v, block);
   for (int l = 0; c.softens && l < lane_width; ++l) {
     v.strength[l] *= clamp_to(strength[l], 0.0, 1.0);
     v.tension[l] *= clamp_to(tension[l], 0.0, 1.0);

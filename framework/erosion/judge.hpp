@@ -42,6 +42,7 @@ class PartJudge final : public ErosionJudge {
     unsigned masks[8] = {};
     bool looked[8] = {};
   };
+  void refuse_unknown(const ErosionCriterion& law, const Verdicts& v, int block) const;
   void ask(std::size_t criterion, ErosionBatch& rows, int block, Verdicts& verdicts);
   unsigned combine(Verdicts& verdicts, int block) const;
   unsigned failed_together(const Verdicts& verdicts, int block) const;

@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Units, Computes,
                                          Good{"8.93 g/cm3", 8930.0}, Good{"1.5kJ/g", 1.5e6}, Good{"26.85 degC", 300.0},
                                          Good{"90 deg/s", 1.5707963267948966}, Good{"2 us", 2e-6},
                                          Good{"2 µs + 1 ns", 2.001e-6}, Good{"3 m and 1", 1.0}, Good{"6 mm / x", 0.002},
-                                         Good{"1 kHz", 1000.0}));
+                                         Good{"1 kHz", 1000.0}, Good{"5 1/ms + 1", 5001.0}));
 
 TEST(Expression, says_what_is_wrong_and_where) {
   EXPECT_EQ(error_of("1 + w"), "\"1 + w\", character 5: there is no variable `w`; the variables are x, y, z, r");
@@ -139,6 +139,31 @@ TEST(Expression, a_number_that_is_none_remains_visible) {
   EXPECT_TRUE(std::isnan(value_of("sqrt(z)")));
   EXPECT_TRUE(std::isnan(value_of("min(1, sqrt(z))")));
   EXPECT_TRUE(std::isnan(value_of("max(sqrt(z), 1)")));
+}
+
+TEST(Expression, what_hangs_on_a_number_that_is_none_is_unknown) {
+  const std::string none = "sqrt(z)";  // z is negative
+  for (const std::string& text :
+       {none + " < 1", none + " >= 1", none + " == " + none, none + " != 1", "not " + none + " < 1",
+        "x > 0 and " + none + " < 1", none + " < 1 or x < 0", "if(" + none + " < 1, 2, 3)"})
+    EXPECT_TRUE(std::isnan(value_of(text))) << text;
+  // What does not hang on it is known.
+  EXPECT_EQ(value_of("z > 0 and " + none + " < 1"), 0.0);
+  EXPECT_EQ(value_of(none + " < 1 and z > 0"), 0.0);
+  EXPECT_EQ(value_of("x > 0 or " + none + " < 1"), 1.0);
+  EXPECT_EQ(value_of("if(z > 0, " + none + " < 1, 7)"), 7.0);
+}
+
+TEST(Expression, knows_where_its_parts_stand_and_their_units) {
+  const auto read = read_expression("damage > 0.9 and (pressure < 3 GPa)", {});
+  ASSERT_EQ(read.error, "");
+  std::vector<int> places;
+  for (const auto& i : read.expression.program()) places.push_back(i.offset);
+  EXPECT_EQ(places, (std::vector<int>{0, 9, 7, 18, 29, 27, 13}));
+  ASSERT_EQ(read.expression.units().size(), 1u);
+  EXPECT_EQ(read.expression.units()[0], (Expression::Dimension{-1, 1, -2, 0, 0, 0, 0}));
+  EXPECT_EQ(read.expression.program()[4].index, 1);
+  EXPECT_EQ(read_expression("1 + w", names).offset, 4);
 }
 
 }  // namespace

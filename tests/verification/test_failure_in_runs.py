@@ -154,3 +154,16 @@ def test_a_condition_is_as_good_as_a_criterion(kerf):
     rows = [[{k: v for k, v in row.items() if k != "criterion"} for row in deletions(run)]
             for run in (of_its_own, written)]
     assert rows[0] == rows[1]
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_condition_of_a_number_that_is_none_stops_the_run(kerf, ranks):
+    """Before it is stressed, an element has 0/0 there."""
+    stopped = kerf(block([{"type": "expression", "expression": "pressure / von_mises > 3"}]), ranks=ranks,
+                   completes=False)
+    assert stopped.process.returncode == 3
+    (line,) = [line for line in stopped.process.stderr.splitlines() if "the run stopped" in line]
+    assert "expression" in line and "is none (NaN)" in line and "part block" in line and "element" in line, line
+    guarded = kerf(block([{"type": "expression", "expression": "von_mises > 0 and pressure / von_mises < -0.3"}]),
+                   ranks=ranks)
+    assert guarded.summary["eroded"]["elements"] > 0

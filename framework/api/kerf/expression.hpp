@@ -2,12 +2,15 @@
 //
 // A plugin has a member `Expression` (or a list of them) and declares it by Schema::expression; the engine reads the
 // text with core/expression.cpp, whose first lines say what a formula may hold. Values are the same bits on every
-// machine: the functions are those of kerf/functions.hpp.
+// machine: the functions are those of kerf/functions.hpp. A number that is none (NaN) remains visible: a comparison
+// with it is neither true nor false but NaN, and so is what hangs on that comparison.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +19,8 @@
 
 namespace kerf {
 
-/// A formula as a list of instructions for a stack of numbers. Truth is 1, falsehood 0; every number but 0 is true.
+/// A formula as a list of instructions for a stack of numbers. Truth is 1, falsehood 0; every number but 0 is true, and
+/// NaN is unknown.
 class Expression {
  public:
   enum class Op : std::uint8_t {
@@ -58,17 +62,24 @@ class Expression {
   };
   struct Instruction {
     Op op = Op::number;
-    int index = 0;  // of a variable
+    int index = 0;  // of a variable; of a number: 0, or one more than the place of its unit in units()
     double number = 0.0;
+    int offset = 0;  // characters of the text before it
   };
+  /// Powers of m, kg, s, A, K, mol and cd.
+  using Dimension = std::array<double, 7>;
   /// Numbers that the stack can hold; deeper formulas are refused.
   static constexpr int most_depth = 32;
 
   /// No formula; value() is 0.
   Expression() = default;
   /// Pre: the program leaves one number, needs no more than most_depth, and indexes `variables`.
-  Expression(std::string text, std::vector<std::string> variables, std::vector<Instruction> program)
-      : text_(std::move(text)), variables_(std::move(variables)), program_(std::move(program)) {}
+  Expression(std::string text, std::vector<std::string> variables, std::vector<Instruction> program,
+             std::vector<Dimension> units = {})
+      : text_(std::move(text)),
+        variables_(std::move(variables)),
+        program_(std::move(program)),
+        units_(std::move(units)) {}
 
   bool empty() const { return program_.empty(); }
   /// As the user wrote it.
@@ -77,6 +88,8 @@ class Expression {
   /// left them open, those that the formula names, each once, by first appearance.
   const std::vector<std::string>& variables() const { return variables_; }
   const std::vector<Instruction>& program() const { return program_; }
+  /// Dimensions of the numbers that are written with a unit.
+  const std::vector<Dimension>& units() const { return units_; }
 
   /// The value for variables in SI units, in the order of variables().
   double value(const double* variables) const {
@@ -111,7 +124,7 @@ class Expression {
       size -= 2;
       double* a = number[size - 1];
       const double *b = number[size], *c = number[size + 1];
-      for (int l = 0; l < n; ++l) a[l] = select(a[l] != 0.0, b[l], c[l]);
+      for (int l = 0; l < n; ++l) a[l] = select(a[l] == a[l], select(a[l] != 0.0, b[l], c[l]), a[l]);
     }
   };
 
@@ -134,7 +147,11 @@ class Expression {
     for (int l = 0; l < n; ++l) results[l] = program_.empty() ? 0.0 : stack.number[0][l];
   }
 
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   static double truth(bool b) { return select(b, 1.0, 0.0); }
+  static double compared(double a, double b, bool holds) { return select((a == a) & (b == b), truth(holds), unknown); }
+  static bool is_false(double a) { return a == 0.0; }
+  static bool is_true(double a) { return (a == a) & (a != 0.0); }
 
   template <class S>
   static void apply_operator(Op op, S& s) {
@@ -152,23 +169,27 @@ class Expression {
       case Op::power:
         return s.binary([](double a, double b) { return kerf::pow(a, b); });
       case Op::less:
-        return s.binary([](double a, double b) { return truth(a < b); });
+        return s.binary([](double a, double b) { return compared(a, b, a < b); });
       case Op::at_most:
-        return s.binary([](double a, double b) { return truth(a <= b); });
+        return s.binary([](double a, double b) { return compared(a, b, a <= b); });
       case Op::greater:
-        return s.binary([](double a, double b) { return truth(a > b); });
+        return s.binary([](double a, double b) { return compared(a, b, a > b); });
       case Op::at_least:
-        return s.binary([](double a, double b) { return truth(a >= b); });
+        return s.binary([](double a, double b) { return compared(a, b, a >= b); });
       case Op::equal:
-        return s.binary([](double a, double b) { return truth(a == b); });
+        return s.binary([](double a, double b) { return compared(a, b, a == b); });
       case Op::unequal:
-        return s.binary([](double a, double b) { return truth(a != b); });
+        return s.binary([](double a, double b) { return compared(a, b, a != b); });
       case Op::both:
-        return s.binary([](double a, double b) { return truth((a != 0.0) & (b != 0.0)); });
+        return s.binary([](double a, double b) {
+          return select(is_false(a) | is_false(b), 0.0, select(is_true(a) & is_true(b), 1.0, unknown));
+        });
       case Op::either:
-        return s.binary([](double a, double b) { return truth((a != 0.0) | (b != 0.0)); });
+        return s.binary([](double a, double b) {
+          return select(is_true(a) | is_true(b), 1.0, select(is_false(a) & is_false(b), 0.0, unknown));
+        });
       default:  // opposite
-        return s.unary([](double a) { return truth(a == 0.0); });
+        return s.unary([](double a) { return select(a == a, truth(a == 0.0), a); });
     }
   }
 
@@ -217,6 +238,7 @@ class Expression {
   std::string text_;
   std::vector<std::string> variables_;
   std::vector<Instruction> program_;
+  std::vector<Dimension> units_;
 };
 
 }  // namespace kerf
