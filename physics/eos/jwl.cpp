@@ -59,8 +59,6 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
         .optional();
     s.rule("burn", "`burn: time` needs the key detonators, or `arrival: eikonal` and another explosive beside it",
            [](const Jwl& j) { return j.burn != "time" || j.starts_unburnt(); });
-    s.rule("detonators", "`burn: compression` uses no detonators; leave the key out, or burn by both",
-           [](const Jwl& j) { return j.burn != "compression" || j.detonators.empty(); });
     s.rule("detonators", "the key `normal` of a detonator must not be zero", [](const Jwl& j) {
       return std::none_of(j.detonators.begin(), j.detonators.end(),
                           [](const auto& d) { return d->is_plane() && !(norm(d->normal) > 0.0); });
@@ -109,7 +107,11 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
               " is burnt at the start; name detonators, or burn it by compression"};
     std::vector<std::string> lines;
     warn_of_other_detonation(use, lines);
-    if (burn == "compression") return lines;
+    if (burn == "compression") {
+      if (!detonators.empty())
+        lines.push_back("`burn: compression` uses no detonators; leave them out, or burn by both");
+      return lines;
+    }
     for (std::size_t k = 0; k < detonators.size(); ++k)
       if (detonators[k]->time >= use.end)
         lines.push_back(
