@@ -67,17 +67,28 @@ struct PAlpha final : PointwiseEos<PAlpha>, TensionLimit {
     return solid_pressure - (solid_pressure - elastic_pressure) * power;
   }
   /// Between one and the old distension, where the pressure of the porous body is that of the crush curve; one where
-  /// it is above the curve's end all the same. The difference of the two falls with the distension, so that bisection
-  /// finds its zero; 60 halvings leave less than round-off.
+  /// it is above the curve's end all the same. The difference of the two grows with the distension. Its zero is found
+  /// by false position, with the value at an end that stays halved (the Illinois method), and a bisection every fourth
+  /// time, where the curve is steep. What lies between the last two places is straight to round-off.
   double crushed(const EosInput& in, double old, double initial) const {
-    if (porous(in, 1.0).pressure >= solid_pressure) return 1.0;
-    double low = 1.0, high = old;
-    for (int i = 0; i < 60; ++i) {
-      const double middle = 0.5 * (low + high);
-      const bool above = porous(in, middle).pressure > crush_pressure(middle, initial);
-      (above ? high : low) = middle;
+    const auto excess = [&](double alpha) { return porous(in, alpha).pressure - crush_pressure(alpha, initial); };
+    double low = 1.0, high = old, below = excess(low), above = excess(high);
+    if (below >= 0.0) return low;
+    if (above <= 0.0) return high;
+    int last = 0;
+    for (int i = 1; i < 200 && high - low > 1e-9; ++i) {
+      double alpha = i % 4 == 0 ? 0.5 * (low + high) : (low * above - high * below) / (above - below);
+      if (!(alpha > low && alpha < high)) alpha = 0.5 * (low + high);
+      const double e = excess(alpha);
+      if (e > 0.0) {
+        if (last > 0) below *= 0.5;
+        high = alpha, above = e, last = 1;
+      } else {
+        if (last < 0) above *= 0.5;
+        low = alpha, below = e, last = -1;
+      }
     }
-    return 0.5 * (low + high);
+    return (low * above - high * below) / (above - below);
   }
   /// Of the solid at density alpha rho, over alpha.
   EosOutput porous(const EosInput& in, double alpha) const {
