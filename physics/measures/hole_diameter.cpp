@@ -174,7 +174,8 @@ class HoleDiameter final : public Measure {
 
   static std::string open_at_outline(const Face& face) {
     return "what is gone of the " + face.name +
-           " face reaches its outline and has no closed rim; give `symmetry_normal` if a part of the plate is modelled";
+           " face reaches its outline and has no closed rim; give `symmetry_normal` (and `second_symmetry_normal`) if "
+           "a part of the plate is modelled";
   }
 
   static void add_opening(MeasuredValues& values, const Face& face) {
