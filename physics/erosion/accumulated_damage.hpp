@@ -76,8 +76,31 @@ class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
     return {};
   }
 
-  template <class Reads, class State>
-  Verdict judge_point(const Point& in, const Reads& reads, State& state) const {
+  enum class Softening { none, stress, linear, exponential };
+  /// What a loop over points knows before it begins. Where the size of the element counts as well, it does not
+  /// vectorise, and one form is enough.
+  template <Softening kind, bool has_lengths>
+  struct Form {
+    static constexpr bool is_scaled = has_lengths;
+    static constexpr Softening softening(const AccumulatedDamage& law) { return has_lengths ? law.kind() : kind; }
+  };
+  template <class Work>
+  void with_form(const Work& work) const {
+    if (!length_factors.empty()) return work(Form<Softening::none, true>{});
+    switch (kind()) {
+      case Softening::none:
+        return work(Form<Softening::none, false>{});
+      case Softening::stress:
+        return work(Form<Softening::stress, false>{});
+      case Softening::linear:
+        return work(Form<Softening::linear, false>{});
+      default:
+        return work(Form<Softening::exponential, false>{});
+    }
+  }
+
+  template <class Form, class Reads, class State>
+  [[gnu::always_inline]] Verdict judge_point(const Point& in, const Reads& reads, State& state) const {
     const auto& law = static_cast<const LawType&>(*this);
     const double strain = reads.effective_plastic_strain, limit = law.amount_at_failure();
     // What plastic strain there is before the first step has done no damage.
@@ -86,7 +109,9 @@ class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
     // By the rule of the trapezium: the state of stress may change much within a step.
     const double pace = law.pace(in, reads, d / (in.dt + tiny<double>));
     const double mean = 0.5 * (pace + select(has_seen, state.pace, pace));
-    const double growth = law.growth(in, mean * d / length_factor(in.initial_length), state);
+    double way = mean * d;
+    if constexpr (Form::is_scaled) way /= length_factor(in.initial_length);
+    const double growth = law.growth(in, way, state);
     state.pace = pace;
     const bool is_local = !(nonlocal_radius > 0.0);
     const double reached = state.amount + select(is_local, growth, 0.0);
@@ -94,12 +119,15 @@ class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
     state.amount = min_of(reached, limit);
     state.last_plastic_strain = strain;
     const double damage = state.amount / limit;
-    if (by_energy()) {
+    const Softening softens_how = Form::softening(*this);
+    if (softens_how == Softening::linear || softens_how == Softening::exponential) {
       const double past = clamp_to((reached - limit) / (growth + tiny<double>), 0.0, 1.0);
-      const double lost = lost_share(in, strain, past * d, reached >= limit, state);
+      const double opening = opening_of(in, strain, past * d, reached >= limit, state);
+      const double lost = softens_how == Softening::linear ? min_of(0.5 * opening, 1.0) : 1.0 - kerf::exp(-opening);
       return {lost, select(lost >= most_lost(), 1.0, 0.0), 1.0 - lost, 1.0 - lost};
     }
-    const double kept = softens_with_damage() ? kept_share(damage, law.softening_begins(state)) : 1.0;
+    double kept = 1.0;
+    if (softens_how == Softening::stress) kept = kept_share(damage, law.softening_begins(state));
     return {state.amount, select(damage >= 1.0, 1.0, 0.0), kept, kept};
   }
 
@@ -109,7 +137,7 @@ class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
   double softening_begins(const DamageState&) const { return max_of(critical_damage, 0.0); }
 
   /// Mean stress over equivalent stress, positive in tension.
-  static double triaxiality(const ErosionInputPoint& in) {
+  [[gnu::always_inline]] static double triaxiality(const ErosionInputPoint& in) {
     const double q = von_mises(deviator(in.stress));
     return clamp_to(-in.pressure / (q + tiny<double>), -most_triaxiality, most_triaxiality);
   }
@@ -140,8 +168,12 @@ class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
  private:
   static constexpr double most_triaxiality = 100.0;  // exponentials stay finite
 
-  bool by_energy() const { return fracture_energy > 0.0; }
-  bool softens_with_damage() const { return softening.front() == 's'; }
+  Softening kind() const {
+    return softening == "none"     ? Softening::none
+           : softening == "stress" ? Softening::stress
+           : softening == "linear" ? Softening::linear
+                                   : Softening::exponential;
+  }
   double most_lost() const { return softening_at_deletion > 0.0 ? softening_at_deletion : 0.99; }
 
   template <class S>
@@ -210,7 +242,7 @@ class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
            [](const Law& l) { return l.nonlocal_radius > 0.0 || l.nonlocal_weight == "plateau"; });
   }
 
-  double length_factor(double length) const {
+  [[gnu::always_inline]] double length_factor(double length) const {
     if (length_factors.empty()) return 1.0;
     double factor = length_factors.front();
     for (std::size_t i = 1; i < element_lengths.size(); ++i) {
@@ -221,24 +253,24 @@ class AccumulatedDamage : public PointwiseErosion<LawType>, public WarningLaw {
     return factor;
   }
 
-  double kept_share(double damage, double from) const {
+  [[gnu::always_inline]] double kept_share(double damage, double from) const {
     const double exponent = softening_exponent > 0.0 ? softening_exponent : 1.0;
     const double beyond = max_of(damage - from, 0.0) / (max_of(1.0 - from, 0.0) + tiny<double>);
     const bool any = beyond > 1e-60;
     return 1.0 - select(any, positive_power(select(any, min_of(beyond, 1.0), 1.0), exponent), 0.0);
   }
 
-  /// d over the plastic displacement u = L (ep - ep0) since the onset: linear, d = s0 u / (2 Gf), or exponential, d = 1
-  /// - exp(-s0 u / Gf), with the stress s0 at the onset. Both take the energy Gf per area. `past` is the plastic strain
+  /// s0 u / Gf with the plastic displacement u = L (ep - ep0) since the onset and the stress s0 there. The lost share d
+  /// is half of it (linear), or d = 1 - exp(-s0 u / Gf). Both take the energy Gf per area. `past` is the plastic strain
   /// of this step after the onset.
-  double lost_share(const Point& in, double strain, double past, bool reached, DamageState& state) const {
+  [[gnu::always_inline]] double opening_of(const Point& in, double strain, double past, bool reached,
+                                           DamageState& state) const {
     const bool starts = reached && state.onset_strain < 0.0;
     state.onset_strain = select(starts, strain - past, state.onset_strain);
     state.onset_stress = select(starts, von_mises(deviator(in.stress)), state.onset_stress);
     const bool began = state.onset_strain >= 0.0;
     const double displacement = in.initial_length * max_of(strain - state.onset_strain, 0.0);
-    const double x = select(began, state.onset_stress * displacement / fracture_energy, 0.0);
-    return softening.front() == 'l' ? min_of(0.5 * x, 1.0) : 1.0 - kerf::exp(-x);
+    return select(began, state.onset_stress * displacement / fracture_energy, 0.0);
   }
 };
 

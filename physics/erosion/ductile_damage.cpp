@@ -60,7 +60,9 @@ struct DuctileDamage final : AccumulatedDamage<DuctileDamage> {
     if (critical_strain.empty()) return max_of(critical_damage, 0.0);
     return select(state.instability >= 1.0, state.damage_at_instability, 1.0);
   }
-  double pace(const Point& in, const Reads&, double) const { return 1.0 / at(failure_strain, triaxiality(in)); }
+  [[gnu::always_inline]] double pace(const Point& in, const Reads&, double) const {
+    return 1.0 / at(failure_strain, triaxiality(in));
+  }
   /// `way` is the plastic strain of the step over the failure strain.
   double growth(const Point& in, double way, State& state) const {
     const double before = root(state.amount);

@@ -47,7 +47,7 @@ struct JohnsonCookDamage final : AccumulatedDamage<JohnsonCookDamage> {
   }
 
   double amount_at_failure() const { return 1.0; }
-  double pace(const Point& in, const Reads& reads, double plastic_rate) const {
+  [[gnu::always_inline]] double pace(const Point& in, const Reads& reads, double plastic_rate) const {
     const double rate = max_of(plastic_rate / reference_rate, 1.0);
     const double heat = clamp_to((reads.temperature - reference_temperature) /
                                      (max_of(melting_temperature - reference_temperature, 0.0) + tiny<double>),

@@ -25,7 +25,9 @@ struct RiceTracey final : AccumulatedDamage<RiceTracey> {
     describe_damage(s, "void_growth", "-", "ln R/R0, logarithm of the growth of voids", "void_growth");
   }
   double amount_at_failure() const { return limit; }
-  double pace(const Point& in, const Reads&, double) const { return coefficient * kerf::exp(1.5 * triaxiality(in)); }
+  [[gnu::always_inline]] double pace(const Point& in, const Reads&, double) const {
+    return coefficient * kerf::exp(1.5 * triaxiality(in));
+  }
 };
 
 /// D' = ep' / ef with ef = nucleation_strain + growth_strain exp(-1.5 eta). D = 1 is failure, or where softening
@@ -44,7 +46,7 @@ struct HancockMackenzie final : AccumulatedDamage<HancockMackenzie> {
                     "hancock_mackenzie");
   }
   double amount_at_failure() const { return 1.0; }
-  double pace(const Point& in, const Reads&, double) const {
+  [[gnu::always_inline]] double pace(const Point& in, const Reads&, double) const {
     return 1.0 / (nucleation_strain + growth_strain * kerf::exp(-1.5 * triaxiality(in)));
   }
 };

@@ -85,12 +85,25 @@ class ErosionCriterion : public Law {
 
 /// A criterion whose law is `Verdict judge_point(const ErosionInputPoint&, const Reads&, State&) const`. One that
 /// weakens the stress declares `static constexpr bool can_soften = true` and sets the verdict's `strength`, `tension`
-/// and `compression`; it may have `bool softens() const` where that depends on its parameters.
+/// and `compression`; it may have `bool softens() const` where that depends on its parameters. A law whose parameters
+/// choose between several ways to compute may have `with_form(work)`, which calls `work(Form{})` once with a type that
+/// tells the way, and `judge_point<Form>`: what a loop asks of its parameters for every point keeps it from
+/// vectorising.
 template <class LawType>
 class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> {
  public:
   bool softens() const override { return may_soften(); }
   void judge(const ErosionBatch& b) const final {
+    const auto& law = static_cast<const LawType&>(*this);
+    if constexpr (requires { law.with_form([](auto) {}); })
+      law.with_form([&]<class Form>(Form) { judge_rows<Form>(b); });
+    else
+      judge_rows<void>(b);
+  }
+
+ private:
+  template <class Form>
+  void judge_rows(const ErosionBatch& b) const {
     using State = typename LawType::State;
     using Reads = typename LawType::Reads;
     alignas(64) double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
@@ -131,7 +144,12 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
       State point = state.at(l);
       Verdict verdict;
       detail::in_lane(
-          l, [&]() __attribute__((always_inline)) { verdict = law.judge_point(in, reads.at(l), point); });
+          l, [&]() __attribute__((always_inline)) {
+            if constexpr (std::is_void_v<Form>)
+              verdict = law.judge_point(in, reads.at(l), point);
+            else
+              verdict = law.template judge_point<Form>(in, reads.at(l), point);
+          });
       state.set(l, point);
       value[l] = verdict.value;
       failed[l] = verdict.failed;
@@ -157,7 +175,6 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
         }
   }
 
- private:
   static constexpr bool may_soften() {
     return requires { requires LawType::can_soften; };
   }
