@@ -93,7 +93,7 @@ struct DruckerPrager final : Solid, CompactionTable, WarningLaw {
       lines.push_back(
           text("tension_limit of %.3g Pa lies beyond the apex of the yield surface at %.3g Pa, where there "
                "is no strength; check both",
-               tension_limit, -apex));
+               tension_limit, apex));
     if (most_strength <= at_rest)
       lines.push_back(
           text("most_strength of %.3g Pa is not above the strength of %.3g Pa at no pressure, so that "
