@@ -9,6 +9,7 @@
 #include "input/parameter_text.hpp"
 #include "input/placement.hpp"
 #include "input/read_model.hpp"
+#include "kerf/law_use.hpp"
 #include "kerf/measure.hpp"
 
 namespace kerf {
@@ -42,6 +43,7 @@ class Validator {
     check_time_and_checks();
     for (const auto& material : model_.materials) {
       check_laws(*material);
+      check_parameters(*material);
       check_variables(*material);
       check_reads(*material);
       check_erosion(*material);
@@ -278,6 +280,19 @@ class Validator {
                       strength ? "eos"
                       : eos    ? "strength"
                                : "law of the stress"));
+  }
+  /// What a law cannot start with at the density of its material.
+  void check_parameters(const MaterialInput& material) {
+    const std::pair<const Law*, const char*> laws[] = {
+        {material.strength.get(), "strength"}, {material.eos.get(), "eos"}, {material.solid.get(), "solid"}};
+    for (const auto& [law, key] : laws) {
+      const auto* checked = dynamic_cast<const DensityCheckedLaw*>(law);
+      if (!checked || !(material.density > 0.0)) continue;
+      const std::string path = fmt::format("materials.{}.{}", material.name, key);
+      for (const ParameterComplaint& c : checked->complaints(material.density))
+        diagnostics_.error(origins_.find(c.parameter.empty() ? path : path + "." + c.parameter),
+                           c.parameter.empty() ? c.sentence : fmt::format("`{}`: {}", c.parameter, c.sentence));
+    }
   }
   /// A variable of a law must not be called as something that every element keeps: whoever reads it would get that.
   void check_variables(const MaterialInput& material) {

@@ -4,6 +4,8 @@
 // Fluids 23 (1980) 2362-2372; C.M. Tarver, J.O. Hallquist & L.M. Erickson, "Modeling short pulse duration shock
 // initiation of solid explosives", 8th Symposium (International) on Detonation (1985) 951-961, for the third term.
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "explosives/two_phases.hpp"
 #include "kerf/law_use.hpp"
@@ -17,7 +19,7 @@ using namespace kerf::explosives;
 ///       + G2 (1-F)^e F^g (p/pr)^z [F > fg2min].
 /// The rate is integrated within the step at the step's last volume and energy, in pieces that burn a few per cent
 /// each.
-struct IgnitionAndGrowth final : PointwiseEos<IgnitionAndGrowth>, EnergyHolder {
+struct IgnitionAndGrowth final : PointwiseEos<IgnitionAndGrowth>, WarningLaw, EnergyHolder {
   Phase unreacted, products;
   double initial_energy = 0.0, initial_temperature = 298.0, reference_pressure = 1e11;  // [J/m3], [K], [Pa]
   double I = 0.0, b = 0.0, a = 0.0, x = 0.0, figmax = 1.0;  // [1/s], [-]
@@ -32,26 +34,37 @@ struct IgnitionAndGrowth final : PointwiseEos<IgnitionAndGrowth>, EnergyHolder {
     using T = IgnitionAndGrowth;
     s.block(&T::unreacted, "unreacted", "the explosive that has not reacted");
     s.block(&T::products, "products", "the products of the reaction");
-    s.real(&T::initial_energy, "initial_energy", "J/m3", positive, "energy of the reaction per reference volume");
-    s.real(&T::initial_temperature, "initial_temperature", "K", positive, "temperature at the start").by_default("298");
+    s.real(&T::initial_energy, "initial_energy", "J/m3", positive, "energy of the reaction per reference volume")
+        .usual(between(1e8, 2e10));
+    s.real(&T::initial_temperature, "initial_temperature", "K", positive, "temperature at the start")
+        .by_default("298")
+        .usual(between(150.0, 600.0));
     s.real(&T::reference_pressure, "reference_pressure", "Pa", positive,
            "pressure over which that in the growth terms is taken: 1 Mbar where G1 and G2 belong to Mbar")
         .by_default("100 GPa");
     s.real(&T::I, "I", "1/s", non_negative, "rate of ignition (tables give it in 1/us)").usual(between(1e5, 1e25));
-    s.real(&T::b, "b", "-", non_negative, "exponent of the unburnt share in ignition");
-    s.real(&T::a, "a", "-", any_value, "compression below which nothing ignites").by_default("0");
-    s.real(&T::x, "x", "-", positive, "exponent of the compression in ignition");
+    s.real(&T::b, "b", "-", non_negative, "exponent of the unburnt share in ignition").usual(between(0.0, 3.0));
+    s.real(&T::a, "a", "-", any_value, "compression below which nothing ignites")
+        .by_default("0")
+        .usual(between(-0.1, 1.0));
+    s.real(&T::x, "x", "-", positive, "exponent of the compression in ignition").usual(between(1.0, 30.0));
     s.real(&T::figmax, "figmax", "-", fraction, "burnt share at which ignition ends").by_default("1");
     s.real(&T::G1, "G1", "1/s", non_negative, "rate of growth (tables give it in 1/us, per Mbar to the power y)")
         .usual(between(1e4, 1e13));
-    s.real(&T::c, "c", "-", non_negative, "exponent of the unburnt share in growth");
-    s.real(&T::d, "d", "-", non_negative, "exponent of the burnt share in growth");
-    s.real(&T::y, "y", "-", non_negative, "exponent of the pressure in growth");
+    s.real(&T::c, "c", "-", non_negative, "exponent of the unburnt share in growth").usual(between(0.0, 3.0));
+    s.real(&T::d, "d", "-", non_negative, "exponent of the burnt share in growth").usual(between(0.0, 3.0));
+    s.real(&T::y, "y", "-", non_negative, "exponent of the pressure in growth").usual(between(0.5, 5.0));
     s.real(&T::fg1max, "fg1max", "-", fraction, "burnt share at which growth ends").by_default("1");
     s.real(&T::G2, "G2", "1/s", non_negative, "rate of completion").by_default("0");
-    s.real(&T::e, "e", "-", non_negative, "exponent of the unburnt share in completion").by_default("0");
-    s.real(&T::g, "g", "-", non_negative, "exponent of the burnt share in completion").by_default("0");
-    s.real(&T::z, "z", "-", non_negative, "exponent of the pressure in completion").by_default("0");
+    s.real(&T::e, "e", "-", non_negative, "exponent of the unburnt share in completion")
+        .by_default("0")
+        .usual(between(0.0, 3.0));
+    s.real(&T::g, "g", "-", non_negative, "exponent of the burnt share in completion")
+        .by_default("0")
+        .usual(between(0.0, 3.0));
+    s.real(&T::z, "z", "-", non_negative, "exponent of the pressure in completion")
+        .by_default("0")
+        .usual(between(0.0, 5.0));
     s.real(&T::fg2min, "fg2min", "-", fraction, "burnt share at which completion begins").by_default("0");
     s.state(&State::burn_fraction, "burn_fraction", "-", 0.0, "burnt share of the explosive").within(fraction);
     s.state(&State::temperature, "temperature", "K", 298.0, "temperature of both phases").within(positive);
@@ -61,6 +74,22 @@ struct IgnitionAndGrowth final : PointwiseEos<IgnitionAndGrowth>, EnergyHolder {
   double energy_held(std::span<const double> state) const override { return (1.0 - state[0]) * initial_energy; }
   bool acts_by_itself() const override { return false; }
   double cost() const override { return 6.0; }
+
+  /// Terms of the rate that can never act, and a rate of completion in other units.
+  std::vector<std::string> warnings(LawUse&) const override {
+    std::vector<std::string> lines;
+    if (I > 0.0 && !(figmax > 0.0)) lines.push_back("ignition ends at a figmax of 0, and never acts; give its share");
+    if (G1 > 0.0 && !(fg1max > 0.0)) lines.push_back("growth ends at an fg1max of 0, and never acts; give its share");
+    if (G2 > 0.0 && !(fg2min < 1.0))
+      lines.push_back("completion begins at an fg2min of 1, where nothing is left to burn; lower it, or leave G2 out");
+    if (!(G2 > 0.0) && fg2min + e + g + z > 0.0)
+      lines.push_back("e, g, z and fg2min have no effect without G2; give it, or leave them out");
+    if (G2 > 0.0 && (G2 < least_G2 || G2 > most_G2))
+      lines.push_back(
+          "G2 is not within 1e4 and 1e13 1/s; tables give it in 1/us, per Mbar to the power z: check its "
+          "unit and reference_pressure");
+    return lines;
+  }
 
   void initialise_point(const InitialPoint&, State& state) const { state.temperature = initial_temperature; }
 
@@ -76,6 +105,7 @@ struct IgnitionAndGrowth final : PointwiseEos<IgnitionAndGrowth>, EnergyHolder {
   }
 
  private:
+  static constexpr double least_G2 = 1e4, most_G2 = 1e13;  // [1/s], as usual for G1
   static constexpr double all_but = 1e-6;  // what is left then burns at once
   static constexpr double most_burnt = 0.02;  // in a piece of a step; Heun's method errs by the square of it
 

@@ -21,7 +21,7 @@ using namespace kerf::explosives;
 /// E per reference volume, and the burn fraction F. The detonation runs from the detonators with velocity D, in
 /// straight lines or round what is no explosive, and reaches a point at its lighting time. F is the greater of 2 D (t -
 /// t_l)/(3 h), with the element's length h, and (1 - V)/(1 - V_CJ); once it is one, it stays one.
-struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
+struct Jwl final : PointwiseEos<Jwl>, DensityCheckedLaw, WarningLaw, EnergyHolder, FrontLaw {
   double A = 0.0, B = 0.0, R1 = 0.0, R2 = 0.0, omega = 0.0;  // [Pa], [-]
   double initial_energy = 0.0;  // [J/m3]
   double detonation_velocity = 0.0, cj_pressure = 0.0;  // [m/s], [Pa]; 0: not given
@@ -40,7 +40,8 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
     s.real(&Jwl::R1, "R1", "-", positive, "first exponent");
     s.real(&Jwl::R2, "R2", "-", positive, "second exponent");
     s.real(&Jwl::omega, "omega", "-", positive, "Grueneisen coefficient of the products");
-    s.real(&Jwl::initial_energy, "initial_energy", "J/m3", positive, "energy of detonation per reference volume");
+    s.real(&Jwl::initial_energy, "initial_energy", "J/m3", positive, "energy of detonation per reference volume")
+        .usual(between(1e8, 3e10));
     s.real(&Jwl::detonation_velocity, "detonation_velocity", "m/s", positive,
            "velocity of the detonation; that of the Chapman-Jouguet state where absent")
         .optional();
@@ -74,16 +75,10 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
       state = {1.0, 0.0};
       return;
     }
-    find_detonation();
-    const double D = velocity(point.density);
-    if (const double most = point.density * D * D; burn != "time" && pressure_behind() >= most)
-      throw std::runtime_error(
-          text("the pressure behind the detonation, %.4g Pa, is not below density times velocity squared, %.4g Pa for "
-               "%.4g m/s; expected about a quarter of it: check cj_pressure, detonation_velocity and density",
-               pressure_behind(), most, D));
+    for (const ParameterComplaint& complaint : complaints(point.density)) throw std::runtime_error(complaint.sentence);
     state.burn_fraction = 0.0;
     if (!asks_for_arrival() && burn != "compression")
-      state.lighting_time = first_arrival(detonators, point.position, D);
+      state.lighting_time = first_arrival(detonators, point.position, velocity(point.density));
   }
 
   EosOutput evaluate_point(const EosInputWith<inputs>& in, State& state) const {
@@ -101,15 +96,37 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
     return {F * products, max_of(max_of(F * modulus, 0.0) + burning, arriving)};
   }
 
+  std::vector<ParameterComplaint> complaints(double reference_density) const override {
+    if (!starts_unburnt()) return {};
+    find_detonation();
+    if (!has_velocity_and_pressure())
+      return {{"",
+               "the constants of jwl have no Chapman-Jouguet state, from which the detonation's velocity and "
+               "pressure follow; expected a set of constants of one explosive, or the keys detonation_velocity "
+               "and cj_pressure"}};
+    const double D = velocity(reference_density), most = reference_density * D * D;
+    if (burn == "time" || pressure_behind() < most) return {};
+    return {{cj_pressure > 0.0 ? "cj_pressure" : "detonation_velocity",
+             text("the pressure behind the detonation, %.4g Pa, is not below density times velocity squared, %.4g Pa "
+                  "for %.4g kg/m3 and %.4g m/s; expected about a quarter of it: check cj_pressure, "
+                  "detonation_velocity and density",
+                  pressure_behind(), most, reference_density, D)}};
+  }
+
   std::vector<std::string> warnings(LawUse& use) const override {
-    if (!starts_unburnt())
-      return {"no detonator is given, so that the explosive of part " + use.part +
-              " is burnt at the start; name detonators, or burn it by compression"};
+    if (!starts_unburnt()) {
+      const bool some = detonation_velocity > 0.0 || cj_pressure > 0.0;
+      return {"no detonator is given, so that the explosive of part " + use.part + " is burnt at the start" +
+              (some ? " and detonation_velocity and cj_pressure have no effect" : "") +
+              "; name detonators, or burn it by compression"};
+    }
     std::vector<std::string> lines;
     warn_of_other_detonation(use, lines);
     if (burn == "compression") {
       if (!detonators.empty())
         lines.push_back("`burn: compression` uses no detonators; leave them out, or burn by both");
+      if (arrival == "eikonal")
+        lines.push_back("`arrival: eikonal` has no effect with `burn: compression`; leave it out, or burn by both");
       return lines;
     }
     for (std::size_t k = 0; k < detonators.size(); ++k)
@@ -139,15 +156,12 @@ struct Jwl final : PointwiseEos<Jwl>, WarningLaw, EnergyHolder, FrontLaw {
   /// Without anything that could light it, the law is that of products.
   bool starts_unburnt() const { return !detonators.empty() || burn == "compression" || arrival == "eikonal"; }
 
-  /// What is not given follows from the other constants. Found when the first point starts, and once: it does not
+  bool has_velocity_and_pressure() const { return cj_.exists || (detonation_velocity > 0.0 && cj_pressure > 0.0); }
+
+  /// What is not given follows from the other constants. Found when the law is first asked, and once: it does not
   /// depend on the point.
   void find_detonation() const {
-    if (cj_.exists || (detonation_velocity > 0.0 && cj_pressure > 0.0)) return;
-    cj_ = find_cj({A, B, R1, R2, omega}, initial_energy);
-    if (!cj_.exists)
-      throw std::runtime_error(
-          "its constants have no Chapman-Jouguet state, from which the detonation's velocity and pressure follow; "
-          "expected a set of constants of one explosive, or the keys detonation_velocity and cj_pressure");
+    if (!has_velocity_and_pressure()) cj_ = find_cj({A, B, R1, R2, omega}, initial_energy);
   }
   double velocity(double reference_density) const {
     return select(detonation_velocity > 0.0, detonation_velocity, cj_.velocity(reference_density));

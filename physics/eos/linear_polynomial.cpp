@@ -2,7 +2,13 @@
 //
 // Source: J.O. Hallquist, LS-DYNA Theory Manual (2006), section 22.1 (equation of state form 1).
 #include <kerf/eos.hpp>
+#include <kerf/law_use.hpp>
 #include <kerf/tension_limit.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -10,7 +16,7 @@ using namespace kerf;
 
 /// p = C0 + C1 mu + C2 mu^2 + C3 mu^3 + (C4 + C5 mu + C6 mu^2) E, with mu = rho/rho0 - 1 and the energy E per
 /// reference volume; C2 and C6 act in compression only.
-struct LinearPolynomial final : PointwiseEos<LinearPolynomial>, TensionLimit {
+struct LinearPolynomial final : PointwiseEos<LinearPolynomial>, TensionLimit, WarningLaw {
   double C0 = 0.0, C1 = 0.0, C2 = 0.0, C3 = 0.0;  // [Pa]
   double C4 = 0.0, C5 = 0.0, C6 = 0.0;  // [-]
   double initial_energy = 0.0;  // [J/m3]
@@ -36,6 +42,21 @@ struct LinearPolynomial final : PointwiseEos<LinearPolynomial>, TensionLimit {
   }
   double initial_energy_density() const override { return initial_energy; }
   bool uses_energy() const override { return C4 != 0.0 || C5 != 0.0 || C6 != 0.0; }
+
+  /// C0 is a pressure of the undeformed material, which nothing stands against when a run starts. It stores no energy:
+  /// what the first step sets in motion by it may be more than all energy of the model.
+  std::vector<std::string> warnings(LawUse& use) const override {
+    constexpr double much = 0.01;  // the strain that lets the pressure go; metals yield below it
+    const double pressure = C0 + C4 * initial_energy, modulus = C1 + C5 * initial_energy + C4 * pressure;
+    if (C0 == 0.0 || std::fabs(pressure) <= much * modulus) return {};
+    char line[256];
+    std::snprintf(
+        line, sizeof line,
+        "C0 gives part %s a pressure of %.3g Pa at the start, %.2g of its bulk modulus, by which it bursts or "
+        "collapses; leave C0 out, or let C4 initial_energy balance it",
+        use.part.c_str(), pressure, std::fabs(pressure) / modulus);
+    return {line};
+  }
 
   EosOutput evaluate_point(const EosInput& in, const State&) const {
     const double ratio = in.density / in.reference_density, mu = ratio - 1.0;

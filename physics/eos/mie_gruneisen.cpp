@@ -24,13 +24,16 @@ struct MieGruneisen final : Eos, TensionLimit {
   using State = NoVariables;
 
   static void describe(Schema<MieGruneisen>& schema) {
-    schema.real(&MieGruneisen::c0, "c0", "m/s", positive, "shock velocity at vanishing particle velocity");
-    schema.real(&MieGruneisen::s, "s", "-", non_negative, "slope of shock velocity over particle velocity");
+    schema.real(&MieGruneisen::c0, "c0", "m/s", positive, "shock velocity at vanishing particle velocity")
+        .usual(between(50.0, 2e4));
+    schema.real(&MieGruneisen::s, "s", "-", non_negative, "slope of shock velocity over particle velocity")
+        .usual(between(0.0, 5.0));
     schema.real(&MieGruneisen::s2, "s2", "-", any_value, "coefficient of (up/us) up in the shock velocity")
         .by_default("0");
     schema.real(&MieGruneisen::s3, "s3", "-", any_value, "coefficient of (up/us)^2 up in the shock velocity")
         .by_default("0");
-    schema.real(&MieGruneisen::gamma0, "gamma0", "-", non_negative, "Grueneisen parameter at the reference density");
+    schema.real(&MieGruneisen::gamma0, "gamma0", "-", non_negative, "Grueneisen parameter at the reference density")
+        .usual(between(0.0, 5.0));
     schema
         .real(&MieGruneisen::b, "gamma_slope", "-", any_value,
               "first-order volume correction b: Grueneisen parameter (gamma0 + b mu)/(1 + mu)")

@@ -23,7 +23,7 @@ struct TabulatedCompaction final : Eos, CompactionTable, TensionLimit {
   static void describe(Schema<TabulatedCompaction>& s) {
     using T = TabulatedCompaction;
     describe_table(s);
-    s.reals(&T::factors, "thermal_factors", "-", any_value,
+    s.reals(&T::factors, "thermal_factors", "-", non_negative,
             "factor T of the thermal pressure gamma T E at each of `compactions`; 1 where absent")
         .optional();
     s.real(&T::gamma, "gamma", "-", non_negative, "coefficient of the energy per reference volume").by_default("0");

@@ -42,12 +42,14 @@ struct JohnsonCook final : Material {
         .by_default("logarithm");
     s.real(&JohnsonCook::reference_temperature, "reference_temperature", "K", positive,
            "temperature at or below which there is no thermal softening")
-        .by_default("293.15");
+        .by_default("293.15")
+        .usual(between(100.0, 3000.0));
     s.real(&JohnsonCook::melting_temperature, "melting_temperature", "K", positive,
            "temperature at which the strength vanishes");
     s.real(&JohnsonCook::initial_temperature, "initial_temperature", "K", positive,
            "temperature at the start; by default the reference temperature")
-        .optional();
+        .optional()
+        .usual(between(100.0, 3000.0));
     s.real(&JohnsonCook::specific_heat, "specific_heat", "J/(kg K)", positive, "specific heat capacity");
     s.real(&JohnsonCook::taylor_quinney, "taylor_quinney", "-", fraction, "share of the plastic work that heats")
         .by_default("0.9");

@@ -58,10 +58,13 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan>, WarningLaw {
         .usual(between(0.0, 5.0));
     s.real(&M::cv, "specific_heat", "J/(kg K)", positive, "specific heat capacity at constant volume")
         .usual(between(10.0, 1e4));
-    s.real(&M::initial_temperature, "initial_temperature", "K", positive, "temperature at the start").by_default("300");
+    s.real(&M::initial_temperature, "initial_temperature", "K", positive, "temperature at the start")
+        .by_default("300")
+        .usual(between(100.0, 3000.0));
     s.real(&M::reference_temperature, "reference_temperature", "K", positive,
            "temperature at which shear_modulus and yield_stress hold")
-        .by_default("300");
+        .by_default("300")
+        .usual(between(100.0, 3000.0));
     s.rule("maximum_yield_stress", "maximum_yield_stress must not be less than yield_stress",
            [](const M& m) { return m.Y_max >= m.Y0; });
     s.rule("melting_temperature", "melting_temperature must be above reference_temperature",
@@ -94,13 +97,22 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan>, WarningLaw {
 
   /// The cold curve is integrated from the pressure less Gamma rho e, which must be what the equation of state adds.
   std::vector<std::string> warnings(LawUse& use) const override {
-    if (std::fabs(use.grueneisen - gamma0) <= 0.02 * (gamma0 + 0.1)) return {};
+    std::vector<std::string> lines;
     char line[256];
+    if (initial_temperature >= melting) {
+      std::snprintf(line, sizeof line,
+                    "part %s is molten at the start, and has no strength: its initial_temperature of %.4g K is not "
+                    "below its melting_temperature of %.4g K; check both and their units",
+                    use.part.c_str(), initial_temperature, melting);
+      lines.emplace_back(line);
+    }
+    if (std::fabs(use.grueneisen - gamma0) <= 0.02 * (gamma0 + 0.1)) return lines;
     std::snprintf(line, sizeof line,
                   "gamma0 of steinberg_guinan is %.4g, and the equation of state of part %s has %.4g, so that "
                   "temperatures are wrong; give both laws the same",
                   gamma0, use.part.c_str(), use.grueneisen);
-    return {line};
+    lines.emplace_back(line);
+    return lines;
   }
 
   void update_point(const PointInput& in, SymTensor& stress, State& state, double& shear_modulus) const {

@@ -97,7 +97,8 @@ struct TabulatedHardening final : Material {
             "factor of the yield stress at each of the temperatures, constant outside of them")
         .optional();
     s.real(&M::initial_temperature, "initial_temperature", "K", positive, "temperature at the start")
-        .by_default("293.15");
+        .by_default("293.15")
+        .usual(between(100.0, 3000.0));
     s.real(&M::specific_heat, "specific_heat", "J/(kg K)", positive,
            "specific heat capacity; without it nothing is heated")
         .optional();

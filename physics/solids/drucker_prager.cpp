@@ -4,11 +4,14 @@
 // 157-165; R.D. Krieg, "A simple constitutive description for cellular concrete", Sandia National Laboratories
 // SC-DR-72-0883 (1972).
 #include <kerf/compaction_table.hpp>
+#include <kerf/law_use.hpp>
 #include <kerf/solid.hpp>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -20,7 +23,7 @@ constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 /// The pressure is that of a table of compaction with memory, not below a limit of tension.
 ///
 /// A law for blocks rather than points: the table is looked up segment by segment for all points of a block.
-struct DruckerPrager final : Solid, CompactionTable {
+struct DruckerPrager final : Solid, CompactionTable, WarningLaw {
   double G = 0.0, tension_limit = 0.0, zero_strength_pressure = absent;  // [Pa]
   double most_strength = std::numeric_limits<double>::infinity();  // [Pa]
   std::string yield = "linear";
@@ -74,6 +77,31 @@ struct DruckerPrager final : Solid, CompactionTable {
 
   double cost() const override { return 6.0; }
 
+  /// Limits that contradict the yield surface.
+  std::vector<std::string> warnings(LawUse&) const override {
+    const YieldSurface y = yield_surface();
+    std::vector<std::string> lines;
+    // At the apex a cone leaves round-off of its s0.
+    const double apex = y.lowest, at_rest = std::sqrt(y.s0);
+    const bool ends_at_apex = y.s2 > 0.0 && y.s0 + 0.5 * y.s1 * apex <= 1e-9 * y.s0;
+    if (y.zero > 0.0 && at_rest > 0.0)
+      lines.push_back(
+          text("zero_strength_pressure of %.3g Pa takes the strength of %.3g Pa at no pressure away; expected "
+               "0 or less, or a surface without strength at no pressure",
+               y.zero, at_rest));
+    if (ends_at_apex && -tension_limit < apex * (1.0 + 1e-9) && tension_limit > 0.0 && at_rest > 0.0)
+      lines.push_back(
+          text("tension_limit of %.3g Pa lies beyond the apex of the yield surface at %.3g Pa, where there "
+               "is no strength; check both",
+               tension_limit, apex));
+    if (most_strength <= at_rest)
+      lines.push_back(
+          text("most_strength of %.3g Pa is not above the strength of %.3g Pa at no pressure, so that "
+               "pressure adds none; check both",
+               most_strength, at_rest));
+    return lines;
+  }
+
   void update(const SolidBatch& b) const override {
     alignas(64) double x[lane_width], pressure[lane_width], bulk[lane_width], out[6][lane_width];
     detail::LaneVariables<State> state;
@@ -103,6 +131,12 @@ struct DruckerPrager final : Solid, CompactionTable {
   }
 
  private:
+  static std::string text(const char* format, double first, double second) {
+    char line[256];
+    std::snprintf(line, sizeof line, format, first, second);
+    return line;
+  }
+
   enum : int { strain_row, compaction_row, n_rows };  // as in State
   static_assert(n_doubles<State> == n_rows);
 

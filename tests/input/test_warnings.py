@@ -12,6 +12,31 @@ TNT = "{type: jwl, A: 371.2 GPa, B: 3.231 GPa, R1: 4.15, R2: 0.95, omega: 0.3, i
 STRONG_GAS = [("13:5", f"the explosive of part {name} keeps its strength when it has burnt")
               for name in ("target", "striker")]
 
+FLUID = [("type: elastic_plastic\n      shear_modulus: 43 GPa\n      yield_stress: 400 MPa\n"
+          "      hardening_modulus: 100 MPa", "type: hydrodynamic"),
+         ("{type: plastic_strain, limit: 1.5}", "{type: maximum_shear, limit: 1.5, measure: tensor}"),
+         (", effective_plastic_strain", "")]
+STEINBERG = ("yield_stress: 120 MPa\n      maximum_yield_stress: 640 MPa\n      beta: 36\n      n: 0.45\n"
+             "      A: 2.83e-11 1/Pa\n      B: 3.77e-4 1/K\n      gamma0: 2.02\n      a: 1.5\n"
+             "      melting_temperature: 1790 K\n      specific_heat: 383 J/(kg K)")
+
+
+def reacting(further):
+    """PBX-9404 as of the material library, with further constants of the reaction."""
+    return ("{type: ignition_and_growth, unreacted: {A: 6969 GPa, B: -172.7 GPa, R1: 7.8, R2: 3.9, omega: 0.8578, "
+            "heat_capacity: 2.505 MJ/(m3 K)}, products: {A: 854.5 GPa, B: 20.493 GPa, R1: 4.6, R2: 1.35, omega: 0.25, "
+            "heat_capacity: 1 MJ/(m3 K)}, initial_energy: 10.2 GJ/m3, I: 4.4e7 s-1, b: 0.222, x: 4, G1: 2e8 s-1, "
+            "c: 0.222, d: 0.667, y: 1.6, " + further + "}")
+
+
+def soil(further):
+    """A soil in the place of the good input's copper; its cone has the apex at -1 MPa."""
+    strength_and_eos = GOOD[GOOD.index("    strength:"):GOOD.index("    erosion:")]
+    return (strength_and_eos, "    solid: {type: drucker_prager, shear_modulus: 1 GPa, strength_at_no_pressure: 1 MPa, "
+                              "slope: 1, compactions: [0, 0.1, 0.3], pressures: [0, 100 MPa, 1 GPa], "
+                              f"unloading_moduli: 5 GPa, {further}}}\n")
+
+
 # Name: (edits of the good input, start of each line after the file's name, with what must stand in it).
 CASES = {
     "forgotten contact": ([(CONTACT, "")],
@@ -70,15 +95,57 @@ CASES = {
                            ("18:5", "the detonation runs over 2 cells of part striker")]),
     "two Grueneisen parameters": ([("type: elastic_plastic", "type: steinberg_guinan"),
                                    ("yield_stress: 400 MPa\n      hardening_modulus: 100 MPa",
-                                    "yield_stress: 120 MPa\n      maximum_yield_stress: 640 MPa\n      beta: 36\n"
-                                    "      n: 0.45\n      A: 2.83e-11 1/Pa\n      B: 3.77e-4 1/K\n      gamma0: 2.02\n"
-                                    "      a: 1.5\n      melting_temperature: 1790 K\n"
-                                    "      specific_heat: 383 J/(kg K)"),
+                                    STEINBERG),
                                    (LINEAR, "eos: {type: mie_gruneisen, c0: 3940 m/s, s: 1.49, gamma0: 1.5}")],
                                   [("13:5", "gamma0 of steinberg_guinan is 2.02, and the equation of state of part "
                                             "target has 1.5"),
                                    ("13:5", "gamma0 of steinberg_guinan is 2.02, and the equation of state of part "
                                             "striker has 1.5")]),
+    "molten": ([("type: elastic_plastic", "type: steinberg_guinan"),
+                ("yield_stress: 400 MPa\n      hardening_modulus: 100 MPa",
+                 STEINBERG + "\n      initial_temperature: 1800 K"),
+                (LINEAR, "eos: {type: mie_gruneisen, c0: 3940 m/s, s: 1.49, gamma0: 2.02}")],
+               [("13:5", "part target is molten at the start, and has no strength"),
+                ("13:5", "part striker is molten at the start, and has no strength")]),
+    "degrees Celsius": ([("type: elastic_plastic", "type: johnson_cook"),
+                         ("yield_stress: 400 MPa\n      hardening_modulus: 100 MPa",
+                          "A: 90 MPa\n      B: 292 MPa\n      n: 0.31\n      C: 0.025\n      m: 1.09\n"
+                          "      specific_heat: 383 J/(kg K)\n      melting_temperature: 1356 K\n"
+                          "      initial_temperature: 25")],
+                        [("23:28", "`initial_temperature` = 25 K is not usual; expected from 100 to 3000 K")]),
+    "kilometres per second": ([(LINEAR, "eos: {type: mie_gruneisen, c0: 3.94, s: 1.49, gamma0: 2.02}"),
+                               ("shear_modulus: 43 GPa", "shear_modulus: 100 kPa")],
+                              [("18:36", "`c0` = 3.94 m/s is not usual; expected from 50 to 20000 m/s")]),
+    "pressure that nothing holds": ([*FLUID, (LINEAR, "eos: {type: linear_polynomial, C0: 60 MPa, C1: 5 GPa}")],
+                                    [("15:5", "C0 gives part target a pressure of 6e+07 Pa at the start, 0.012 of"),
+                                     ("15:5", "C0 gives part striker a pressure of 6e+07 Pa")]),
+    "velocity without a detonator": ([*FLUID, (LINEAR, "eos: " + TNT + ", detonation_velocity: 6.93 km/s}"),
+                                      ("density: 8930 kg/m3", "density: 1630 kg/m3")],
+                                     [("15:5", "part target is burnt at the start and detonation_velocity and "
+                                               "cj_pressure have no effect"),
+                                      ("15:5", "part striker is burnt at the start and detonation_velocity")]),
+    "arrival that is not used": ([*FLUID, (LINEAR, "eos: " + TNT + ", burn: compression, arrival: eikonal}"),
+                                  ("density: 8930 kg/m3", "density: 1630 kg/m3")],
+                                 [("15:5", "`arrival: eikonal` has no effect with `burn: compression`")]),
+    "terms of a reaction that never act": ([*FLUID, (LINEAR, "eos: " + reacting("G2: 400 s-1, z: 2, fg2min: 1, figmax: 0")),
+                                            ("density: 8930 kg/m3", "density: 1842 kg/m3")],
+                                           [("15:5", "ignition ends at a figmax of 0"),
+                                            ("15:5", "completion begins at an fg2min of 1"),
+                                            ("15:5", "G2 is not within 1e4 and 1e13 1/s")]),
+    "completion without a rate": ([*FLUID, (LINEAR, "eos: " + reacting("z: 2, e: 0.5")),
+                                   ("density: 8930 kg/m3", "density: 1842 kg/m3")],
+                                  [("15:5", "e, g, z and fg2min have no effect without G2")]),
+    "exponent of another term": ([*FLUID, (LINEAR, "eos: " + reacting("a: 4")),
+                                  ("density: 8930 kg/m3", "density: 1842 kg/m3")],
+                                 [("15:347", "`a` = 4 is not usual; expected from -0.1 to 1, or leave it out for 0")]),
+    "strength that is cut off": ([soil("zero_strength_pressure: 1 MPa")],
+                                 [("13:5", "zero_strength_pressure of 1e+06 Pa takes the strength of 1e+06 Pa at no "
+                                           "pressure away")]),
+    "tension beyond the apex": ([soil("tension_limit: 100 MPa")],
+                                [("13:5", "tension_limit of 1e+08 Pa lies beyond the apex of the yield surface at "
+                                          "-1e+06 Pa")]),
+    "cap below the cone": ([soil("most_strength: 0.1 MPa")],
+                           [("13:5", "most_strength of 1e+05 Pa is not above the strength of 1e+06 Pa at no pressure")]),
     "average over nothing": ([("{type: plastic_strain, limit: 1.5}",
                                "{type: rice_tracey, limit: 0.5, nonlocal_radius: 0.5 mm}")],
                              [("22:11", "nonlocal_radius is less than the length of an element of part target"),

@@ -1,7 +1,7 @@
-// What a law may tell about its use before the first step: warnings, energy that it holds back, and fronts that run
-// through its material.
+// What a law may tell about its use before the first step: what is wrong with its parameters, warnings, energy that it
+// holds back, and fronts that run through its material.
 //
-// Each of the three is a class that a law of an element (material, solid, equation of state, erosion criterion) may
+// Each of the four is a class that a law of an element (material, solid, equation of state, erosion criterion) may
 // derive from beside its own base. A law that does not is not asked.
 #pragma once
 
@@ -40,6 +40,19 @@ class LawUse {
   /// Least distance of the centre of an element from the place that is nearest to it, over all parts of the law's
   /// material [m].
   virtual double distance(const std::function<Vec3(Vec3)>& nearest) = 0;
+};
+
+/// What is wrong with one parameter of a law; an empty name stands for the whole law.
+struct ParameterComplaint {
+  std::string parameter, sentence;  // the latter without a full stop: "what is wrong; what is expected"
+};
+
+/// A law whose parameters can be judged only together with the density of its material. What it finds is an error of
+/// the input, at the line of the parameter.
+class DensityCheckedLaw {
+ public:
+  virtual ~DensityCheckedLaw() = default;
+  virtual std::vector<ParameterComplaint> complaints(double reference_density) const = 0;  // [kg/m3]
 };
 
 /// A law that has something to say about its parameters, or about a part, before a run. `kerf check` and `kerf run`

@@ -40,7 +40,8 @@ class RadialReturn : public Material {
     s.real(&M::G, "shear_modulus", "Pa", positive, "elastic shear modulus");
     M::describe_flow(s);
     s.real(&M::initial_temperature, "initial_temperature", "K", positive, "temperature at the start")
-        .by_default("293.15");
+        .by_default("293.15")
+        .usual(between(100.0, 3000.0));
     s.real(&M::specific_heat, "specific_heat", "J/(kg K)", positive, "specific heat capacity");
     s.real(&M::taylor_quinney, "taylor_quinney", "-", fraction, "share of the plastic work that heats")
         .by_default("0.9");
