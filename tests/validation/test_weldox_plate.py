@@ -1,5 +1,5 @@
 """The first 25 us of a blunt projectile in a plate of Weldox 460 E, on a coarse mesh: balances, and bounds of the speed
-that follow from momentum alone. The residual speed needs a fine mesh; see the input's README."""
+that follow from momentum alone. The residual speed needs a fine mesh, and minutes: pytest -m slow."""
 
 import numpy as np
 import pytest
@@ -42,3 +42,12 @@ def test_momentum_is_what_the_start_and_the_outside_gave(plate):
         given = momentum["initial"][axis] + momentum["external_impulse"][axis]
         kept = momentum["final"][axis] + momentum["eroded"][axis]
         assert kept == pytest.approx(given, abs=1e-6 * MASS * SPEED)  # round-off over a few hundred cycles
+
+
+@pytest.mark.slow
+def test_the_residual_speed_is_that_of_the_experiment(kerf):
+    """132.6 m/s, Borvik et al. 2002. The mark for this case is 8 %; the mesh of the input comes out 5 % low, one of 0.3
+    mm 4 % high."""
+    run = kerf("weldox_plate/weldox_plate.yaml", "parameters.velocity=0 0 -244.2 m/s", "time.end=120 us", timeout=3600)
+    assert run.summary["measures"]["projectile.speed"] == pytest.approx(132.6, rel=0.08)
+    assert run.summary["measures"]["hole.perforated"] == 1
