@@ -61,9 +61,8 @@ def resume(binary, run):
 @pytest.mark.parametrize("cells", [100, 200])
 def test_taylor_wave_of_a_plane_detonator(kerf, cells):
     """Velocity and pressure of the detonation follow from the constants. Errors of a right code with as many cells."""
-    model = row(cells, 0.1, {**TNT, "detonators": [{"point": [0, 0, 0], "normal": [1, 0, 0]}]}, end=0.095 / D)
-    model["boundaries"].append({"type": "symmetry", "normal": [1, 0, 0]})
-    run = kerf(model)
+    run = kerf("taylor_wave/taylor_wave.yaml", f"parameters.cells={cells}", f"parameters.width={0.1 / cells} m",
+               f"time.end={0.095 / D}")
     results, wave = run.results, table("taylor_wave_tnt")
     order = np.argsort(wave["x_over_Dt"])
     x, p = results.centres(-1)[:, 0] / 0.095, results.cell("pressure", -1)
