@@ -12,10 +12,10 @@ namespace kerf {
 
 /// Rank 0 reads the file, all ranks parse the same bytes. Throws InputError, on all ranks, with every mistake.
 /// Warnings are printed by rank 0. Collective.
-std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options, const Registry& registry);
+std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options, Registry& registry);
 
 /// What load_input would refuse on `options.ranks` ranks, found without MPI: mistakes in the input need no mpirun, and
 /// a slip such as --ranks 5000 must not start what the machine cannot hold. Throws InputError.
-void check_before_launch(const RunOptions& options, const Registry& registry);
+void check_before_launch(const RunOptions& options, Registry& registry);
 
 }  // namespace kerf

@@ -123,7 +123,7 @@ int run_to_end(MPI_Comm comm, const RunOptions& options, const std::string& fold
   return exit_done;
 }
 
-int run(MPI_Comm comm, const RunOptions& options, const Registry& registry) {
+int run(MPI_Comm comm, const RunOptions& options, Registry& registry) {
   const auto input = load_input(comm, options, registry);
   ReportSettings settings;
   settings.folder = output_folder(options);

@@ -89,6 +89,7 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
   if (!contacts_.empty()) start_contact(report);
   for (std::string& line : model_warnings(model_, cover, loads_.count_targets(model_)))
     warnings_.push_back(std::move(line));
+  warnings_.insert(warnings_.end(), loads_.late().begin(), loads_.late().end());
   for (PartModel& part : model_.parts) {
     std::vector<double> mass;
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));

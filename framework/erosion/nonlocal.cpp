@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "core/assert.hpp"
@@ -23,6 +24,14 @@ Box box_of(const std::vector<Neighbourhood::Point>& points) {
       box[3 + d] = std::max(box[3 + d], p.position[d]);
     }
   return box;
+}
+
+/// Greatest coordinate [m].
+double farthest_of(const std::vector<Neighbourhood::Point>& points) {
+  double farthest = 0.0;
+  for (const Neighbourhood::Point& p : points)
+    for (int d = 0; d < 3; ++d) farthest = std::max(farthest, std::fabs(p.position[d]));
+  return farthest;
 }
 
 bool is_near(const Box& box, Vec3 x, double distance) {
@@ -82,11 +91,14 @@ void NonLocalDamage::find_neighbours(const Model& model, Task& task) const {
     task.own.push_back(s);
   }
   const std::vector<Box> boxes = boxes_of_all(model.comm, box_of(points));
+  // A little more than the radius: whether a pair is near enough is decided by one computation only, that of
+  // Neighbourhood, and here no point may be missed by round-off. One too many does no harm.
+  const double reach = task.law.radius * (1.0 + 1e-6) + 1e-9 * greatest(model.comm, farthest_of(points));
   std::vector<std::vector<Neighbourhood::Point>> outgoing(boxes.size());
   task.sent.assign(boxes.size(), {});
   for (std::size_t r = 0; r < boxes.size(); ++r)
     for (std::size_t k = 0; k < points.size() && static_cast<int>(r) != model.rank(); ++k)
-      if (is_near(boxes[r], points[k].position, task.law.radius)) {
+      if (is_near(boxes[r], points[k].position, reach)) {
         outgoing[r].push_back(points[k]);
         task.sent[r].push_back(task.own[k]);
       }

@@ -229,6 +229,9 @@ void ModelInput::describe(Schema<ModelInput>& s) {
       .by_default("double");
   s.text_map(&ModelInput::parameters, "parameters", "values by name, used as $name in place of any single value")
       .optional();
+  s.texts(&ModelInput::plugins, "plugins",
+          "shared libraries with plugins that the input needs, relative to the input file, beside those of --plugin")
+      .optional();
   s.texts(&ModelInput::library, "library",
           "folders with material sets of your own, relative to the input file, beside those that come with Kerf")
       .optional();

@@ -142,6 +142,7 @@ struct LibraryUse {
 
 struct ModelInput {
   std::string title, precision;
+  std::vector<std::string> plugins;  // shared libraries; they are loaded already
   std::vector<std::string> library;  // folders of further sets; they are in their places already
   std::map<std::string, std::string> parameters;  // as written; they are in their places already
   TimeInput time;

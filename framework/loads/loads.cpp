@@ -215,15 +215,17 @@ std::vector<std::int64_t> Loads::count_targets(const Model& model) const {
 std::vector<std::string> Loads::complaints(const Model& model) {
   constexpr std::int64_t no_facet = std::numeric_limits<std::int64_t>::max();
   find_facets(model);
+  late_.clear();
   const std::size_t n = marks_.laws().size();
-  std::vector<std::int64_t> n_facets(n, 0), n_refused(n, 0), n_reached(n, 0), first(n, no_facet);
+  std::vector<std::int64_t> n_facets(n, 0), n_refused(n, 0), n_reached(n, 0), n_in_time(n, 0), first(n, no_facet);
   std::vector<std::string> texts(n);
   for (const OnFacet& on : on_facets_) {
     const std::size_t k = on.mark.law;
     const LoadedFacet facet = seen(model, on, shares_of(model.nodes, on.mark.facet));
     std::string text = marks_.laws()[k]->objection(facet);
     ++n_facets[k];
-    if (marks_.laws()[k]->can_reach(facet, model.input->time.end)) ++n_reached[k];
+    if (marks_.laws()[k]->can_reach(facet, std::numeric_limits<double>::infinity())) ++n_reached[k];
+    if (marks_.laws()[k]->can_reach(facet, model.input->time.end)) ++n_in_time[k];
     if (text.empty()) continue;
     ++n_refused[k];
     if (facet.id < first[k]) texts[k] = std::move(text);
@@ -232,7 +234,12 @@ std::vector<std::string> Loads::complaints(const Model& model) {
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < n; ++k) {
     const std::int64_t refused = sum_of(model.comm, n_refused[k]), all = sum_of(model.comm, n_facets[k]);
-    const std::int64_t reached = sum_of(model.comm, n_reached[k]);
+    const std::int64_t reached = sum_of(model.comm, n_reached[k]), in_time = sum_of(model.comm, n_in_time[k]);
+    if (reached > 0 && in_time == 0)
+      late_.push_back(
+          fmt::format("{}: warning: the load {} pushes its first facet after the end of the run at {:.3g} s; raise "
+                      "time.end, or let it act earlier",
+                      marks_.laws()[k]->origin, marks_.laws()[k]->type, model.input->time.end));
     if (refused == 0 && reached == 0 && all > 0)
       lines.push_back(
           fmt::format("{}: error: the load {} can push none of its {} facets; expected a place, a direction and a time "

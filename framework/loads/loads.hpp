@@ -40,6 +40,8 @@ class Loads {
   std::vector<std::int64_t> count_targets(const Model& model) const;
   /// What laws have against facets that they are to load, one line for each law that has. Collective.
   std::vector<std::string> complaints(const Model& model);
+  /// Warnings of loads that come after the end of the run, as complaints() has found them.
+  const std::vector<std::string>& late() const { return late_; }
 
  private:
   /// A load on nodes, with its nodes of this rank. One of the laws is set.
@@ -70,6 +72,7 @@ class Loads {
   std::vector<std::int64_t> force_;  // four per local node, in force quanta
   ExternalLoad acting_;
   std::string trouble_;
+  std::vector<std::string> late_;
   const Load* asked_ = nullptr;  // the law that is being evaluated
 };
 

@@ -41,8 +41,8 @@ struct Sample {
   std::vector<double> read_rows;
   std::vector<const double*> reads;
 
-  Sample(const MaterialInput& m, double specific_energy) {
-    std::fill(density, density + lane_width, m.density);
+  Sample(const MaterialInput& m, double specific_energy, double ratio = 1.0) {
+    std::fill(density, density + lane_width, ratio * m.density);
     std::fill(energy, energy + lane_width, specific_energy);
     std::fill(length, length + lane_width, 1.0);
     for (const int d : {0, 4, 8}) std::fill(rotation[d], rotation[d] + lane_width, 1.0);
@@ -140,17 +140,30 @@ bool may_reach(const InitialStateInput& initial, const PartInput& part, const Mo
 
 }  // namespace
 
-void ask_moduli(PartModel& part, const ModelInput& input) {
+namespace {
+
+constexpr double compressed = 1.1;  // density ratio
+
+/// dp/d(rho e) of undeformed material that is compressed by `ratio` [-].
+double grueneisen(const MaterialInput& m, double ratio) {
   constexpr double warming = 1e3;  // [J/kg], a few degrees
+  Sample cold(m, 0.0, ratio), warm(m, warming, ratio);
+  ask(m, cold);
+  ask(m, warm);
+  return (warm.pressure[0] - cold.pressure[0]) / (ratio * m.density * warming);
+}
+
+}  // namespace
+
+void ask_moduli(PartModel& part, const ModelInput& input) {
   const MaterialInput& m = *part.material;
   Sample cold(m, 0.0);
   ask(m, cold);
   part.shear_modulus = cold.shear[0];
   part.bulk_modulus = cold.bulk[0];
   part.initial_pressure = cold.pressure[0];
-  Sample warm(m, warming);
-  ask(m, warm);
-  part.grueneisen = (warm.pressure[0] - cold.pressure[0]) / (m.density * warming);
+  part.grueneisen = grueneisen(m, 1.0);
+  part.grueneisen_compressed = grueneisen(m, compressed);
   part.initial_energy = (m.solid ? m.solid->initial_energy_density() : m.eos->initial_energy_density()) / m.density;
   for (const auto& initial : input.initial_states) {
     if (initial->variable != "specific_energy" || !may_reach(*initial, *part.input, input)) continue;

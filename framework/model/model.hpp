@@ -29,7 +29,7 @@ struct PartModel {
   std::int32_t body = 0;  // the first of the parts that the input joins with it, directly or through others
   std::int64_t shift_in_body = 0;  // added to the id of an element, it numbers the elements of each body without gaps
   double bulk_modulus = 0.0;  // of the undeformed material [Pa]
-  double grueneisen = 0.0;  // dp/d(rho e) there [-]
+  double grueneisen = 0.0, grueneisen_compressed = 0.0;  // dp/d(rho e) there, and at 1.1 times the density [-]
   double shear_modulus = 0.0;  // [Pa]
   double initial_pressure = 0.0;  // [Pa]
   double hot_stiffness = 0.0;  // greatest modulus or pressure with the initial energies of the input [Pa]

@@ -63,9 +63,13 @@ std::string MeetingPoint::common(const std::string& failure) const { return firs
 
 SimulationView::SimulationView(Simulation& simulation)
     : simulation_(simulation), meeting_(simulation.model().comm), listed_(simulation.model().parts.size()) {
-  for (const PartModel& part : simulation.model().parts)
+  for (const PartModel& part : simulation.model().parts) {
+    std::vector<std::string> kept;
+    for (const Law* law : part.material->laws())
+      for (const StateVariable& v : law->state_variables()) kept.push_back(v.name);
     parts.push_back({part.input->name, &part.store->shape(), part.n_elements, part.initial_mass, part.material->density,
-                     part.initial_energy, part.body});
+                     part.initial_energy, part.body, std::move(kept)});
+  }
 }
 
 void SimulationView::refresh(double at_time, double of_step, std::int64_t at_cycle) {

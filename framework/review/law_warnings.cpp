@@ -23,6 +23,7 @@ class PartUse final : public LawUse {
     density = used.material->density;
     end = model.input->time.end;
     grueneisen = used.grueneisen;
+    grueneisen_compressed = used.grueneisen_compressed;
     n_elements = used.n_elements;
     double volume = 0.0;
     for (int s = 0; s < used.store->n_slots(); ++s)

@@ -65,7 +65,7 @@ struct LinearPolynomial final : PointwiseEos<LinearPolynomial>, TensionLimit, Wa
     const double gamma = C4 + (C5 + c6 * mu) * mu;  // dp/dE
     const double p = C0 + (C1 + (c2 + C3 * mu) * mu) * mu + gamma * E;
     const double slope = C1 + (2.0 * c2 + 3.0 * C3 * mu) * mu + (C5 + 2.0 * c6 * mu) * E;  // dp/dmu
-    return {limited(p), max_of(0.0, ratio * slope + gamma * p / ratio)};
+    return {limited(p), max_of(0.0, ratio * slope + gamma * limited(p) / ratio)};
   }
 };
 

@@ -89,7 +89,7 @@ struct MieGruneisen final : Eos, TensionLimit {
     const double p = select(tension, stiffness * mu + g * energy, compressed);
     const double slope = select(tension, ratio * (stiffness + b * energy), compressed_slope);
     // Cold states beyond the end would let the pressure fall on the isentrope; the solid stays as stiff as it began.
-    return {limited(p), max_of(select(is_held, stiffness, 0.0), slope + g * p / ratio)};
+    return {limited(p), max_of(select(is_held, stiffness, 0.0), slope + g * limited(p) / ratio)};
   }
 
   /// d pH / d eta over rho0 c0^2, times the third power of the denominator 1 - s eta - s2 eta^2 - s3 eta^3.

@@ -63,7 +63,7 @@ struct TabulatedCompaction final : Eos, CompactionTable, TensionLimit {
       // rho dT/drho; T does not change beyond the table's ends.
       const double change = select(x[l] == inside[l], slope[l], 0.0) * select(is_mu, ratio[l], 1.0);
       p[l] = limited(whole);
-      k[l] = max_of(0.0, k[l] + gamma * change * energy[l] + thermal * whole / ratio[l]);
+      k[l] = max_of(0.0, k[l] + gamma * change * energy[l] + thermal * p[l] / ratio[l]);
     }
     for (int l = 0; l < lane_width; ++l) {
       b.pressure[l] = p[l];

@@ -48,7 +48,7 @@ struct Tillotson final : PointwiseEos<Tillotson>, TensionLimit {
     const double by_energy = (1.0 - share) * cold.by_energy + share * hot.by_energy +
                              select(blends, (hot.p - cold.p) / (complete - incipient), 0.0);
     const double by_density = (1.0 - share) * cold.by_density + share * hot.by_density;
-    return {limited(p), max_of(0.0, by_density + p / in.density * by_energy)};
+    return {limited(p), max_of(0.0, by_density + limited(p) / in.density * by_energy)};
   }
 
  private:

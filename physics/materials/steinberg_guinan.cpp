@@ -98,7 +98,7 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan>, WarningLaw {
   /// The cold curve is integrated from the pressure less Gamma rho e, which must be what the equation of state adds.
   std::vector<std::string> warnings(LawUse& use) const override {
     std::vector<std::string> lines;
-    char line[256];
+    char line[320];
     if (initial_temperature >= melting) {
       std::snprintf(line, sizeof line,
                     "part %s is molten at the start, and has no strength: its initial_temperature of %.4g K is not "
@@ -106,11 +106,20 @@ struct SteinbergGuinan final : PointwiseMaterial<SteinbergGuinan>, WarningLaw {
                     use.part.c_str(), initial_temperature, melting);
       lines.emplace_back(line);
     }
-    if (std::fabs(use.grueneisen - gamma0) <= 0.02 * (gamma0 + 0.1)) return lines;
-    std::snprintf(line, sizeof line,
-                  "gamma0 of steinberg_guinan is %.4g, and the equation of state of part %s has %.4g, so that "
-                  "temperatures are wrong; give both laws the same",
-                  gamma0, use.part.c_str(), use.grueneisen);
+    const double much = 0.02 * (gamma0 + 0.1), here = (gamma0 + 0.1 * b) / 1.1;
+    if (std::fabs(use.grueneisen - gamma0) > much)
+      std::snprintf(line, sizeof line,
+                    "gamma0 of steinberg_guinan is %.4g, and the equation of state of part %s has %.4g, so that "
+                    "temperatures are wrong; give both laws the same",
+                    gamma0, use.part.c_str(), use.grueneisen);
+    else if (std::fabs(use.grueneisen_compressed - here) > much)
+      std::snprintf(line, sizeof line,
+                    "at 1.1 times the density, steinberg_guinan has a Grueneisen parameter of %.4g by its gamma_slope, "
+                    "and the equation of state of part %s has %.4g, so that temperatures are wrong; give both laws the "
+                    "same",
+                    here, use.part.c_str(), use.grueneisen_compressed);
+    else
+      return lines;
     lines.emplace_back(line);
     return lines;
   }

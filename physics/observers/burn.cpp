@@ -1,4 +1,5 @@
 // How explosives burn: burnt share, energy released and the place of the front over time.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -23,7 +24,9 @@ class Burn final : public Observer {
   void prepare(ObservedModel& model) override {
     const bool all = names.empty();
     for (std::size_t p = 0; p < model.parts.size(); ++p) {
-      const bool burns = model.greatest({greatest_share(model, static_cast<int>(p))})[0] >= 0.0;
+      // By what its laws keep, not by its elements: a resumed run may find none.
+      const std::vector<std::string>& kept = model.parts[p].state_variables;
+      const bool burns = std::find(kept.begin(), kept.end(), "burn_fraction") != kept.end();
       const std::string& name = model.parts[p].name;
       if (all && burns) names.push_back(name);
       for (const std::string& wanted : names)
@@ -91,14 +94,6 @@ class Burn final : public Observer {
 
  private:
   static constexpr std::size_t n_times = 3;
-
-  /// -1 where no element of this rank has the field.
-  static double greatest_share(ObservedModel& model, int part) {
-    double most = -1.0;
-    for (const double share : model.field(part, "burn_fraction"))
-      if (share > most) most = share;
-    return most;
-  }
 
   std::vector<std::string> names;
   std::vector<double> times_;  // of each part: when a thousandth, half, and all but a thousandth were burnt [s]

@@ -84,10 +84,10 @@ struct DruckerPrager final : Solid, CompactionTable, WarningLaw {
     // At the apex a cone leaves round-off of its s0.
     const double apex = y.lowest, at_rest = std::sqrt(y.s0);
     const bool ends_at_apex = y.s2 > 0.0 && y.s0 + 0.5 * y.s1 * apex <= 1e-9 * y.s0;
-    if (y.zero > 0.0 && at_rest > 0.0)
+    if (y.zero >= 0.0 && at_rest > 0.0)
       lines.push_back(
-          text("zero_strength_pressure of %.3g Pa takes the strength of %.3g Pa at no pressure away; expected "
-               "0 or less, or a surface without strength at no pressure",
+          text("there is no strength at a pressure of %.3g Pa and below, which takes the strength of %.3g Pa at no "
+               "pressure away: what is not pressed flows freely; give a zero_strength_pressure or a tension_limit",
                y.zero, at_rest));
     if (ends_at_apex && -tension_limit < apex * (1.0 + 1e-9) && tension_limit > 0.0 && at_rest > 0.0)
       lines.push_back(

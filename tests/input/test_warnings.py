@@ -73,6 +73,9 @@ CASES = {
                   [("42:5", "the load pressure acts on nothing: no exterior facet has all its corners in")]),
     "load of nothing": ([(CONTACT, CONTACT + "loads:\n  - {type: gravity, acceleration: 0 0 0}\n")],
                         [("43:5", "the load gravity is zero at all times")]),
+    "late blast": ([(CONTACT, CONTACT + "loads:\n  - {type: air_blast, facets: target, burst: free_air, "
+                                        "charge_mass: 1 kg, charge_position: 0 0 1 m}\n")],
+                   [("43:5", "the load air_blast pushes its first facet after the end of the run at 2e-06 s")]),
     "idle curve": ([("materials:\n", "curves:\n  ramp: {times: 0 1 us, values: 0 1}\nmaterials:\n")],
                    [("11:3", "nothing uses the curve `ramp`; name it where it is meant to act")]),
     "soft in volume": ([("bulk_modulus: 130 GPa", "bulk_modulus: 13 GPa")],
@@ -141,12 +144,12 @@ CASES = {
                                   ("density: 8930 kg/m3", "density: 1842 kg/m3")],
                                  [("15:347", "`a` = 4 is not usual; expected from -0.1 to 1, or leave it out for 0")]),
     "strength that is cut off": ([soil("zero_strength_pressure: 1 MPa")],
-                                 [("13:5", "zero_strength_pressure of 1e+06 Pa takes the strength of 1e+06 Pa at no "
-                                           "pressure away")]),
+                                 [("13:5", "there is no strength at a pressure of 1e+06 Pa and below, which takes the "
+                                           "strength of 1e+06 Pa at no pressure away")]),
     "tension beyond the apex": ([soil("tension_limit: 100 MPa")],
                                 [("13:5", "tension_limit of 1e+08 Pa lies beyond the apex of the yield surface at "
                                           "-1e+06 Pa")]),
-    "cap below the cone": ([soil("most_strength: 0.1 MPa")],
+    "cap below the cone": ([soil("most_strength: 0.1 MPa, zero_strength_pressure: -1 MPa")],
                            [("13:5", "most_strength of 1e+05 Pa is not above the strength of 1e+06 Pa at no "
                                      "pressure")]),
     "average over nothing": ([("{type: plastic_strain, limit: 1.5}",

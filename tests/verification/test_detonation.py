@@ -151,6 +151,22 @@ def test_a_free_charge_keeps_its_energy(kerf, cells):
     assert numbers["charge.burnt"] < np.sqrt(3) * 0.01 / D + 1.5 * 0.02 / cells / D + 3e-7
 
 
+def test_the_burn_is_followed_by_a_resumed_run_that_has_no_explosive_left(kerf):
+    model = {"title": "gone", "time": {"end": 2e-6, "maximum_cycles": 100},
+             "materials": {"explosive": {**explosive({**TNT, "detonators": [{"point": [0, 0, 0]}]}),
+                                         "erosion": {"criteria": [{"type": "expression",
+                                                                   "expression": "time > 0.5 us"}]}}},
+             "parts": {"charge": block([0, 0, 0], [10, 10, 10], 1),
+                       "witness": {**block([20, 0, 0], [24, 4, 4], 1), "material": "steel"}},
+             "observers": {"burn": {"type": "burn"}}}
+    model["materials"]["steel"] = {"density": 7850, "strength": {"type": "elastic", "shear_modulus": "80 GPa"},
+                                   "eos": {"type": "linear", "bulk_modulus": "160 GPa"}}
+    first = kerf(model)
+    assert first.summary["parts"]["charge"]["elements"] == 0 or first.summary["eroded"]["by_part"]["charge"] == 1000
+    resumed = kerf(model, "time.maximum_cycles=200", resumes=first)
+    assert resumed.summary["observers"]["burn"].keys() == first.summary["observers"]["burn"].keys()
+
+
 def test_unburnt_explosive_takes_its_energy_along(kerf):
     model = {"title": "eroded", "time": {"end": 3e-6},
              "materials": {"explosive": {**explosive({**TNT, "detonators": [{"point": [0, 0, 0]}]}),

@@ -121,6 +121,20 @@ def test_the_bits_do_not_depend_on_the_ranks(kerf, criteria):
     assert alone.summary["eroded"]["elements"] + alone.summary["no_tension"]["elements"] > 0
 
 
+@pytest.mark.parametrize("size, radius", [(0.8, 2.4), (0.7, 1.4)])
+def test_neighbours_at_the_very_radius_are_the_same_on_any_ranks(kerf, size, radius):
+    """Round-off decides whether they count; it must not do so differently where a rank asks another one."""
+    model = block([{**NONLOCAL, "nonlocal_radius": f"{radius} mm"}])
+    model["parts"]["block"]["mesh"] |= {"size": [12 * size * 1e-3, 4 * size * 1e-3, 2 * size * 1e-3],
+                                        "cells": [12, 4, 2]}
+    model["time"]["end"] = 12e-6
+    model["boundaries"][1]["velocity"] = [120, 20, 0]
+    alone = kerf(model)
+    assert alone.summary["eroded"]["elements"] > 0
+    for ranks in (2, 3, 5):
+        assert kerf(model, "balance.force_interval=3", ranks=ranks).summary["state_hash"] == alone.summary["state_hash"]
+
+
 @pytest.mark.parametrize("criteria", [[SPALL], [NONLOCAL]], ids=["no_tension", "nonlocal"])
 def test_a_restart_goes_on_as_if_nothing_had_been(kerf, criteria):
     whole = kerf(block(criteria))

@@ -22,7 +22,8 @@ class LawUse {
   std::string part;  // name
   double density = 0.0;  // reference density [kg/m3]
   double end = 0.0;  // of the run [s]
-  double grueneisen = 0.0;  // dp/d(rho e) of the equation of state, or the solid, at the reference state [-]
+  // dp/d(rho e) of the equation of state, or the solid, at the reference state, and at 1.1 times the density [-]
+  double grueneisen = 0.0, grueneisen_compressed = 0.0;
   std::int64_t n_elements = 0;
   double length = 0.0;  // cube root of the mean volume of the part's elements [m]
 

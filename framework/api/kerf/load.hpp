@@ -75,7 +75,8 @@ class FacetLoad : public Load {
   /// every facet before the first step: a text is an error of the input. What the run brings later, force() may throw.
   virtual std::string objection(const LoadedFacet&) const { return {}; }
   /// Whether the load can push a facet before the time `end` [s] of the run's end, from its place before the first
-  /// step. Where it can push none of its facets, the input is refused.
+  /// step. Where it can push none of its facets at any time, the input is refused; where none before the end, a warning
+  /// tells.
   virtual bool can_reach(const LoadedFacet&, double /*end*/) const { return true; }
   /// Whether the facets that the erosion of a loaded element uncovers are loaded from then on.
   virtual bool follows_erosion() const { return false; }

@@ -56,6 +56,7 @@ struct ObservedPart {
   double energy =
       0.0;  // internal energy per mass at the start, which the field internal_energy does not contain [J/kg]
   int body = 0;  // index of the first part that the input joins with it, directly or through others; its own if none
+  std::vector<std::string> state_variables;  // of the laws of its material, also when no element lives any more
 };
 
 /// What a boundary condition has done to the nodes since time zero.

@@ -9,7 +9,9 @@
 namespace kerf {
 
 /// A law derives from it, declares the key with describe_tension_limit, and passes its pressure through limited(). The
-/// cut-off is reversible: it keeps nothing. An erosion criterion may do more where the limit is reached.
+/// cut-off is reversible: it keeps nothing. An erosion criterion may do more where the limit is reached. The wave speed
+/// is that of the material without the limit, with the work of the limited pressure: cavitated material stays as stiff
+/// as it was, which is safe for the time step when it closes again.
 struct TensionLimit {
   double tension_limit = std::numeric_limits<double>::infinity();  // [Pa]
 
