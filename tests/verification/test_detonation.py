@@ -124,6 +124,7 @@ def test_driven_plate(kerf):
         time, velocity = group["time"][:], group["plate.velocity_x"][:]
     late = plate["time_s"] >= 2 * length / speed
     got = np.interp(plate["time_s"][late], time, velocity)
+    # The mark; that program's own mesh leaves 0.4 %, and 100 cells here 0.4 % more.
     assert got == pytest.approx(plate["computed_plate_velocity_m_s"][late], rel=1e-2)
     assert abs(run.summary["energy"]["balance_error"]) < 5e-3
 
@@ -317,6 +318,7 @@ def test_run_to_detonation(kerf, velocity, shock, length, end):
     speed = np.gradient(places, times)
     # The bend: where the line of the detonation, through the last fifth of the way, leaves the front's path.
     steady = places > 0.85 * places.max()
+    # Only that it is a detonation, and no shock of half that speed: the last fifth of a short way is 50 cells.
     assert np.polyfit(times[steady], places[steady], 1)[0] == pytest.approx(8820.0, rel=0.05)
     fast = np.convolve(speed, np.ones(5) / 5, mode="same") > 7500.0
     bend = places[np.argmax(fast)]
