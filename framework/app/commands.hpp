@@ -31,6 +31,9 @@ int run_command(const RunOptions& options, Registry& registry);
 int check_command(const RunOptions& options, Registry& registry);
 
 // These need no MPI.
+/// Curves of laws along the paths of a drive file. Where `only_check`, nothing is written, and what has no reference is
+/// refused.
+int drive_command(const RunOptions& options, Registry& registry, bool only_check);
 int list_command(const Registry& registry, const std::string& kind);
 /// `names` is NAME or KIND NAME; "input" names the whole input file.
 int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown);
