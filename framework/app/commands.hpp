@@ -35,7 +35,7 @@ int check_command(const RunOptions& options, Registry& registry);
 /// refused.
 int drive_command(const RunOptions& options, Registry& registry, bool only_check);
 int list_command(const Registry& registry, const std::string& kind);
-/// `names` is NAME or KIND NAME; "input" names the whole input file.
+/// `names` is NAME or KIND NAME; "input" names the whole input file, "drive" a drive file.
 int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown);
 int schema_command(const Registry& registry);
 int reference_command(const Registry& registry, const std::string& folder);

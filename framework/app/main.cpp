@@ -67,9 +67,9 @@ void add_commands(CLI::App& app, Arguments& a) {
       ->type_name("");
   CLI::App* describe = add_command(app, a, "describe", "show what a type takes and keeps");
   describe
-      ->add_option(
-          "NAME", a.names,
-          "NAME, or KIND NAME, or input for the whole input file; of a type, or of a set of the material library")
+      ->add_option("NAME", a.names,
+                   "NAME, or KIND NAME, or input for the whole input file, or drive for a drive file; of a type, or of "
+                   "a set of the material library")
       ->required()
       ->expected(1, 2)
       ->type_name("");
