@@ -193,8 +193,7 @@ int new_plugin_command(const Registry& registry, const std::string& kind, const 
   if (fs::exists(fs::symlink_status(folder, status)))
     return refuse(fmt::format("{} exists already; remove it, or name another folder with --output", folder.string()));
   const Files files = filled_in(raw, kind, name);
-  if (!parent.empty()) fs::create_directories(parent, status);
-  if (!status || fs::is_directory(parent, status)) fs::create_directory(folder, status);
+  fs::create_directories(folder, status);
   if (status)
     return refuse(
         fmt::format("the folder {} cannot be made: {}; name another with --output", folder.string(), status.message()));
