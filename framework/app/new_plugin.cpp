@@ -104,12 +104,19 @@ Files filled_in(const Files& templates, const std::string& kind, const std::stri
   return files;
 }
 
-/// Whether a type of this name would hide what the template itself uses: "schema" would be a second Schema.
-bool is_used_by(const Files& templates, const std::string& type) {
-  const std::regex word("\\b" + type + "\\b");
-  return std::any_of(templates.begin(), templates.end(), [&](const auto& file) {
-    return file.first.ends_with(".cpp") && std::regex_search(file.second, word);
-  });
+/// Whether a file declares a type of this name: it would be ambiguous where the plugin is registered.
+bool declares(const std::string& source, const std::string& type) {
+  const std::regex declaration("\\b(class|struct|enum|using|concept)\\s+" + type + "\\b");
+  return std::regex_search(source, declaration);
+}
+
+bool is_type_of_interface(const Files& templates, const std::string& type) {
+  for (const auto& [place, text] : templates)
+    if (place.ends_with(".cpp") && declares(text, type)) return true;
+  for (const fs::directory_entry& header :
+       fs::directory_iterator(shared_folder("include/kerf", KERF_HEADERS_OF_SOURCES)))
+    if (header.is_regular_file() && declares(text_of(header.path()), type)) return true;
+  return false;
 }
 
 /// What is wrong with the name; empty where nothing is.
@@ -122,9 +129,8 @@ std::string complaint_about(const std::string& name, const std::string& kind, co
         name);
   if (registry.find(kind, name) != nullptr)
     return fmt::format(
-        "there is {} of kind {} called {} already; expected another name (`kerf describe {} {}` shows "
-        "that one)",
-        "a type", kind, name, kind, name);
+        "there is a type {} of kind {} already; expected another name (`kerf describe {} {}` shows that one)", name,
+        kind, kind, name);
   if (names_of_cmake.contains(name))
     return fmt::format("CMake keeps the name \"{}\" for itself; expected another name", name);
   return {};
@@ -174,7 +180,7 @@ std::vector<std::string> kinds_with_templates(const fs::path& templates) {
 
 int new_plugin_command(const Registry& registry, const std::string& kind, const std::string& name,
                        const std::string& parent) {
-  const fs::path templates = shared_folder("templates", KERF_TEMPLATES_OF_SOURCES);
+  const fs::path templates = shared_folder("share/kerf/templates", KERF_TEMPLATES_OF_SOURCES);
   const fs::path folder = fs::path(parent) / name;
   std::error_code status;
   if (!fs::is_directory(templates / "common", status))
@@ -185,7 +191,7 @@ int new_plugin_command(const Registry& registry, const std::string& kind, const 
     return refuse(fmt::format("there is no kind \"{}\"{}", kind, suggestion(kind, kinds, "the kinds")));
   if (const std::string wrong = complaint_about(name, kind, registry); !wrong.empty()) return refuse(wrong);
   const Files raw = templates_of(templates, kind);
-  if (is_used_by(raw, pascal_case(name)))
+  if (is_type_of_interface(raw, pascal_case(name)))
     return refuse(
         fmt::format("the type of the new plugin would be called {}, which Kerf's interface has already; expected "
                     "another name",

@@ -224,7 +224,7 @@ std::string MaterialLibrary::suggestion_for(const std::string& name) const {
 }
 
 std::vector<std::string> library_folders() {
-  std::vector<std::string> folders = {shared_folder("library", KERF_LIBRARY_OF_SOURCES)};
+  std::vector<std::string> folders = {shared_folder("share/kerf/library", KERF_LIBRARY_OF_SOURCES)};
   if (const char* own = std::getenv("KERF_LIBRARY")) {
     std::istringstream list(own);
     for (std::string folder; std::getline(list, folder, ':');)

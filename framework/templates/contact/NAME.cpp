@@ -16,7 +16,8 @@ struct @TYPE@ final : Contact {
   static void describe(Schema<@TYPE@>& s) {
     s.texts(&@TYPE@::slave, "slave", "parts or sets whose exterior nodes are slaves");
     s.texts(&@TYPE@::master, "master", "parts or sets whose exterior facets are masters");
-    s.real(&@TYPE@::depth, "depth", "-", positive, "greatest depth that is held, over the lesser of V/A and the longest edge of the facet")
+    s.real(&@TYPE@::depth, "depth", "-", positive,
+           "greatest depth that is held, over the lesser of V/A and the longest edge of the facet")
         .by_default("0.5");
     s.real(&@TYPE@::friction, "friction", "-", non_negative, "coefficient of Coulomb friction").by_default("0");
     s.integer(&Contact::search_interval, "search_interval", positive, "cycles that candidates are looked for ahead")
@@ -114,4 +115,4 @@ struct @TYPE@ final : Contact {
 
 }  // namespace
 
-KERF_CONTACT(@TYPE@, "@NAME@", "nodes of slaves against facets of masters, taken as plane parallelograms, with friction")
+KERF_CONTACT(@TYPE@, "@NAME@", "nodes against facets, taken as plane parallelograms, with friction")

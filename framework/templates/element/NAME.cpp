@@ -169,5 +169,5 @@ struct @TYPE@Block final : MeshGenerator {
 
 }  // namespace
 
-KERF_REGISTER(KERF_TYPE(@TYPE@, "element", "@NAME@", "six-node wedge, one integration point, viscous hourglass control")
+KERF_REGISTER(KERF_TYPE(@TYPE@, "element", "@NAME@", "six-node wedge with one integration point")
                   KERF_TYPE(@TYPE@Block, "mesh", "@NAME@_block", "axis-aligned box of wedges"))

@@ -21,12 +21,13 @@ struct @TYPE@ final : PointwiseErosion<@TYPE@> {
   };
 
   static void describe(Schema<@TYPE@>& s) {
-    s.real(&@TYPE@::limit, "limit", "-", positive, "sum of damage at failure: the plastic strain at failure in pure shear");
+    s.real(&@TYPE@::limit, "limit", "-", positive,
+           "sum of damage at failure: the plastic strain at failure in pure shear");
     s.real(&@TYPE@::A, "A", "-", positive, "triaxiality at which plastic strain does twice the damage of pure shear");
     describe_interval(s);
     s.state(&State::damage, "@NAME@_damage", "-", 0.0, "sum of damage so far").within(non_negative);
     s.state(&State::last_strain, "@NAME@_strain", "-", 0.0, "plastic strain at the last look").within(non_negative);
-    s.reads(&Reads::effective_plastic_strain, "effective_plastic_strain", "equivalent plastic strain of the material");
+    s.reads(&Reads::effective_plastic_strain, "effective_plastic_strain", "plastic strain of the material");
   }
 
   Verdict judge_point(const ErosionInputPoint& in, const Reads& reads, State& state) const {

@@ -24,8 +24,7 @@ struct @TYPE@ final : PointwiseMaterial<@TYPE@> {
         .by_default("0 Pa");
     s.real(&@TYPE@::eta, "viscosity", "Pa s", non_negative, "overstress per plastic strain rate; 0 for none")
         .by_default("0 Pa s");
-    s.rule("yield_stress", "yield_stress must be less than shear_modulus",
-           [](const @TYPE@& m) { return m.Y0 < m.G; });
+    s.rule("yield_stress", "yield_stress must be less than shear_modulus", [](const @TYPE@& m) { return m.Y0 < m.G; });
     s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0,
             "equivalent plastic strain, the time integral of sqrt(2/3 Dp:Dp)")
         .within(non_negative);

@@ -1,4 +1,5 @@
-// A block of hexahedra with a wavy upper face: the start of instabilities, and of jets that shocks drive out of grooves.
+// A block of hexahedra with a wavy upper face: the start of instabilities, and of jets that shocks drive out of
+// grooves.
 #include <kerf/functions.hpp>
 #include <kerf/mesh.hpp>
 #include <kerf/plugin.hpp>
@@ -16,8 +17,9 @@ struct @TYPE@ final : MeshGenerator {
   std::int64_t waves = 1;
 
   static void describe(Schema<@TYPE@>& s) {
-    s.vector(&@TYPE@::size, "size", "m", positive, "lengths of the edges, z from the lower face to the mean of the wave");
-    s.vector(&@TYPE@::origin, "origin", "m", any_value, "corner with the least coordinates").by_default("[0, 0, 0] m");
+    s.vector(&@TYPE@::size, "size", "m", positive,
+             "lengths of the edges, z from the lower face to the mean of the wave");
+    s.vector(&@TYPE@::origin, "origin", "m", any_value, "corner of least coordinates").by_default("[0, 0, 0] m");
     s.integers(&@TYPE@::cells, "cells", between(1, 2000000), "number of cells along x, y and z");
     s.real(&@TYPE@::amplitude, "amplitude", "m", non_negative, "height of the wave's crests over its mean");
     s.integer(&@TYPE@::waves, "waves", positive, "whole waves along x").by_default("1");
@@ -40,8 +42,7 @@ struct @TYPE@ final : MeshGenerator {
   ElementNodeIds element(std::int64_t e) const override {
     const std::int64_t i = e % cells[0], j = e / cells[0] % cells[1], k = e / (cells[0] * cells[1]);
     const std::int64_t row = cells[0] + 1, layer = row * (cells[1] + 1), a = k * layer + j * row + i;
-    return {a,         a + 1,         a + row + 1,         a + row,
-            a + layer, a + layer + 1, a + layer + row + 1, a + layer + row};
+    return {a, a + 1, a + row + 1, a + row, a + layer, a + layer + 1, a + layer + row + 1, a + layer + row};
   }
   std::vector<std::string> face_names() const override {
     return {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};

@@ -15,7 +15,7 @@ struct @TYPE@ final : Partitioner {
   std::int64_t halvings = 40;
 
   static void describe(Schema<@TYPE@>& s) {
-    s.integer(&@TYPE@::halvings, "halvings", between(1, 60), "halvings of the interval in which each cut is looked for")
+    s.integer(&@TYPE@::halvings, "halvings", between(1, 60), "halvings of the interval that holds each cut")
         .by_default("40");
   }
 

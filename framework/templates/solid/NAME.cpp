@@ -22,7 +22,7 @@ struct @TYPE@ final : PointwiseSolid<@TYPE@> {
     s.real(&@TYPE@::K, "bulk_modulus", "Pa", positive, "elastic bulk modulus");
     s.real(&@TYPE@::c, "cohesion", "Pa", non_negative, "von Mises stress at which it yields without pressure");
     s.real(&@TYPE@::m, "friction", "-", between(0.0, 3.0), "growth of the strength with the pressure");
-    s.real(&@TYPE@::T, "tension_limit", "Pa", non_negative, "the pressure is never below minus this").by_default("0 Pa");
+    s.real(&@TYPE@::T, "tension_limit", "Pa", non_negative, "least pressure, with its sign changed").by_default("0 Pa");
     s.rule("tension_limit", "tension_limit must not be beyond the apex of the cone, cohesion / friction",
            [](const @TYPE@& law) { return law.m * law.T <= law.c; });
     s.state(&State::effective_plastic_strain, "effective_plastic_strain", "-", 0.0,
