@@ -17,7 +17,8 @@ ROOT = Path(__file__).resolve().parents[2]
 HEADERS = ROOT / "framework" / "api" / "kerf"
 CHANGES = ROOT / "doc" / "plugin-authors" / "interface_changes.md"
 BUILD = Path(os.environ.get("KERF_BUILD_DIR", ROOT / "build")).resolve()
-TYPE = re.compile(r"^(template <[^\n]*>\n)?(?:struct|class) (?:alignas\(\w+\) )?(\w+)(?: final)?(?: :[^;{]*)? ?\{", re.M)
+TYPE = re.compile(r"^(template <[^\n]*>\n)?(?:struct|class) (?:alignas\(\w+\) )?(\w+)(?: final)?(?: :[^;{]*)? ?\{",
+                  re.M)
 NUMBER = re.compile(r"interface_version = (\d+);")
 
 
