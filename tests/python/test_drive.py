@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from shipped import DRIVES
+
 ROOT = Path(__file__).resolve().parents[2]
 KERF = os.environ.get("KERF_BINARY", ROOT / "build" / "bin" / "kerf")
 
@@ -231,6 +233,16 @@ def test_a_material_that_cannot_be_confined_stops(tmp_path):
                  {"steel": weak})
     assert done.returncode == 3 and "material steel on path triaxial" in done.stderr, done.stderr
     assert "the confinement of 9e+11 Pa is not reached" in done.stderr
+
+
+# ---- shipped
+
+@pytest.mark.parametrize("path", DRIVES, ids=lambda path: path.stem)
+def test_shipped_drives_run(tmp_path, path):
+    done = subprocess.run([KERF, "drive", path, "--output", tmp_path / "out"], capture_output=True, text=True,
+                          timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert "error" not in done.stderr
 
 
 # ---- pictures
