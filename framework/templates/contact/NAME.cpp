@@ -106,10 +106,10 @@ struct @TYPE@ final : Contact {
     foot.weights[1] = 0.25 * (1 + a) * (1 - b);
     foot.weights[2] = 0.25 * (1 + a) * (1 + b);
     foot.weights[3] = 0.25 * (1 - a) * (1 + b);
-    Vec3 point;
+    Vec3 point;  // of the facet itself, which may be warped
     for (int k = 0; k < 4; ++k) point = point + foot.weights[k] * g.x[k];
     foot.depth = dot(point - x, g.normal);
-    return true;
+    return foot.depth > 0.0;
   }
 };
 
