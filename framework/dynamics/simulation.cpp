@@ -80,13 +80,10 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
   warnings_ = input.warnings;
   refuse_bad_start(cover);
 
-  const ElementReport report = initialise_elements(model_);
+  at_start_.report = initialise_elements(model_);
   sum_over_copies(model_, model_.nodes.force.data(), 4);
-  loads_.add_forces(model_, 0.0);
-  Step none;
-  reduce(none, report);
-  first_stable_ = reduction_.least_step;
-  if (!contacts_.empty()) start_contact(report);
+  at_start_.force.assign(model_.nodes.force.begin(), model_.nodes.force.end());
+  start_forces();
   for (std::string& line : model_warnings(model_, cover, loads_.count_targets(model_)))
     warnings_.push_back(std::move(line));
   warnings_.insert(warnings_.end(), loads_.late().begin(), loads_.late().end());
@@ -95,6 +92,22 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
     part.initial_mass = order_free_sum(comm, mass);
   }
+}
+
+/// Forces of time zero, beside those of the elements.
+void Simulation::start_forces() {
+  std::copy(at_start_.force.begin(), at_start_.force.end(), model_.nodes.force.begin());
+  const Step none;
+  loads_.add_forces(model_, none);
+  reduce(none, at_start_.report);
+  first_stable_ = reduction_.least_step;
+  if (!contacts_.empty()) start_contact(at_start_.report);
+}
+
+void Simulation::add_source(ForceSource& source) {
+  loads_.add_source(source);
+  if (source.adds_forces()) start_forces();
+  at_start_ = {};
 }
 
 /// Bodies that touch or are about to ask for a short first step, which shows only when it has been tried.
@@ -280,7 +293,7 @@ void Simulation::add_forces(const Step& step) {
   }
   {
     const auto scope = timers_.measure("loads");
-    loads_.add_forces(model_, step.end());
+    loads_.add_forces(model_, step);
   }
   {
     const auto scope = timers_.measure("halo");

@@ -12,6 +12,11 @@ namespace kerf {
 
 ModelInput::~ModelInput() = default;
 
+bool ModelInput::has_external_forces() const {
+  return !loads.empty() ||
+         std::any_of(observers.begin(), observers.end(), [](const auto& o) { return o && o->calls().forces; });
+}
+
 void TimeInput::describe(Schema<TimeInput>& s) {
   s.real(&TimeInput::end, "end", "s", positive, "time at which the run ends");
   s.real(&TimeInput::safety_factor, "safety_factor", "-", Range{0.0, 1.0, true, false},

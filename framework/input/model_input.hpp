@@ -167,6 +167,8 @@ struct ModelInput {
   std::vector<LibraryUse> library_uses;  // sets of the material library that are in their places already
   std::string materials_text;  // the block `materials` with all sets written out; empty where none was named
   static void describe(Schema<ModelInput>& s);
+  /// Whether loads, or observers, put forces on nodes.
+  bool has_external_forces() const;
   ~ModelInput();
 };
 

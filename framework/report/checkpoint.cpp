@@ -91,7 +91,7 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
   }
   std::vector<RestartColumn> columns{{"integers", n_node_integers, integers.data()},
                                      {"reals", n_node_reals, reals.data()}};
-  if (!model.input->loads.empty()) columns.push_back({"loads", 3, external_of_owned.data()});
+  if (model.input->has_external_forces()) columns.push_back({"loads", 3, external_of_owned.data()});
   std::vector<std::vector<std::int64_t>> of_contact;  // forces of single definitions, where books of them are kept
   for (const ContactLoad& one : simulation.side_books().loads()) of_contact.push_back(forces_of(nodes, one));
   for (std::size_t k = 0; k < of_contact.size(); ++k)
@@ -202,7 +202,7 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, std::size_t n_c
     r.mass = real[6];
     std::copy_n(real + 7, 3, r.reference);
   }
-  if (!model.input->loads.empty()) {
+  if (model.input->has_external_forces()) {
     const auto& external = e.integer("loads", 3);
     for (std::size_t i = 0; i < e.gids.size(); ++i) {
       const std::int64_t* f = &external[3 * i];

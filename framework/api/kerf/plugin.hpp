@@ -16,7 +16,7 @@
 namespace kerf {
 
 /// Number of the contract between engine and plugins; raised whenever a header in kerf/ changes meaning.
-inline constexpr int interface_version = 9;
+inline constexpr int interface_version = 10;
 
 /// Plain data that both sides compare before any call into a loaded library.
 struct Manifest {
