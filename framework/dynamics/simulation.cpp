@@ -273,7 +273,7 @@ void Simulation::run() {
 /// Between the drift and the forces, when the old forces have done their work and nothing but state has to move.
 void Simulation::rebalance(const Step& step) {
   const double left = (input_.time.end - step.end()) / step.dt;
-  if (!balancer_.due(model_, step.cycle, left)) return;
+  if (!balancer_.due(model_, step, left)) return;
   const auto scope = timers_.measure("rebalance");
   balancer_.move(model_, step.cycle);
   erosion_->rearranged();
@@ -423,6 +423,7 @@ Simulation::Progress Simulation::progress() const {
   p.last_dt = clock_.last_dt();
   p.cycle = clock_.cycle();
   p.last_rebalance = balancer_.last_cycle();
+  p.balance_policy = balancer_.policy_state(model_.comm);
   p.element_cycles = element_cycles_;
   p.reduction = reduction_;
   p.first_stable = first_stable_;
@@ -438,7 +439,7 @@ void Simulation::resume(const Progress& p) {
   resumed_contact_step_ = p.contact_step;
   balancer_.distribute(model_);
   erosion_->rearranged();
-  balancer_.restore(p.last_rebalance);
+  balancer_.restore(p.last_rebalance, p.balance_policy);
   renumbered();
   load_ = load_on_owned(model_, p.contact_force);
   for (std::size_t k = 0; k < p.force_of_contact.size(); ++k)

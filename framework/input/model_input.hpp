@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "kerf/balance_policy.hpp"
 #include "kerf/boundary.hpp"
 #include "kerf/contact.hpp"
 #include "kerf/curve.hpp"
@@ -111,9 +112,9 @@ struct JoinedInput {
 
 struct BalanceInput {
   bool enabled = true;
-  double threshold = 1.05, cost_factor = 1.0;
-  std::int64_t check_interval = 50, cooldown = 100, force_interval = 0;
+  std::int64_t force_interval = 0;
   std::unique_ptr<Partitioner> partitioner, contact_partitioner;
+  std::unique_ptr<BalancePolicy> policy;
   static void describe(Schema<BalanceInput>& s);
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "input/balance_keys.hpp"
 #include "input/binder.hpp"
 #include "input/substitute.hpp"
 #include "input/yaml_reader.hpp"
@@ -28,8 +29,8 @@ bool names_a_parameter_within(const Node& node) {
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
 
 /// Of precision, materials, parts, joints, sets, initial states, boundaries, contacts, checks, loads, curves with the
-/// files that they name, the choice of the time step, and observers if one of them adds forces: what is computed. How long, how it is distributed and what is
-/// written may change at a restart.
+/// files that they name, the choice of the time step, and observers if one of them adds forces: what is computed. How
+/// long, how it is distributed and what is written may change at a restart.
 std::string physics_digest(const Node& root, const std::vector<std::string>& files, bool observers_act) {
   Digest hash;
   if (const Entry* observers = root.find("observers"); observers && observers_act) hash.add(observers->value);
@@ -69,6 +70,7 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
   const Origin top{std::make_shared<const std::string>(file_name), 1, 1};
   for (const std::string& text : overrides) apply_override(*root, text, diagnostics);
   substitute_parameters(*root, diagnostics);
+  move_balance_keys(*root, diagnostics);
   auto model = std::make_unique<ModelInput>();
   if (root->is_nothing()) {
     diagnostics.error(top, "the input is empty; expected at least the keys time, materials and parts");

@@ -240,6 +240,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   let_go_counts.insert(let_go_counts.end(), let_go.by_part.begin(), let_go.by_part.end());
   file.write_attribute("let_go", let_go_counts);
   file.write_attribute("contact", std::vector<double>{let_go.deepest, let_go.first_time});
+  if (!p.balance_policy.empty()) file.write_attribute("balance_policy", p.balance_policy);
   write_observers(file, simulation, output.observers);
   write_nodes(file, simulation);
   write_elements(file, model);
@@ -266,6 +267,7 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   p.contact_step = clock.at(4);
   p.cycle = counters.at(0);
   p.last_rebalance = counters.at(1);
+  if (file.has_attribute("balance_policy")) p.balance_policy = file.reals("balance_policy");
   p.element_cycles = counters.at(2);
   p.reduction.least_id = counters.at(3);
   read_side_books(file, path, simulation);

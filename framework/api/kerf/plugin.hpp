@@ -154,6 +154,7 @@ class Registrar {
 #define KERF_CONTACT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "contact", name, summary))
 #define KERF_ELEMENT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "element", name, summary))
 #define KERF_PARTITIONER(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "partitioner", name, summary))
+#define KERF_BALANCE_POLICY(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "balance_policy", name, summary))
 #define KERF_MEASURE(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "measure", name, summary))
 #define KERF_BOUNDARY(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "boundary", name, summary))
 #define KERF_MESH(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "mesh", name, summary))
