@@ -2,7 +2,7 @@
 #   cmake -D KERF=... -D LIBRARY=... -D CASE=... -D EXPECTED=... -D OUTPUT=... -P run_case.cmake
 #
 # EXPECTED is a list of {"key": [...], "at_least": ..., "at_most": ..., "reason": "..."}: the place of a number in
-# summary.json, and its bounds.
+# summary.json, and its bounds. With "ranks": 2 it is the summary of the run on two ranks.
 cmake_minimum_required(VERSION 3.25)
 
 foreach(ranks 1 2)
@@ -38,7 +38,11 @@ foreach(i RANGE ${last})
     string(JSON word GET "${expected}" ${i} key ${k})
     list(APPEND key "${word}")
   endforeach()
-  string(JSON value ERROR_VARIABLE missing GET "${summary_1}" ${key})
+  string(JSON ranks ERROR_VARIABLE missing GET "${expected}" ${i} ranks)
+  if(missing)
+    set(ranks 1)
+  endif()
+  string(JSON value ERROR_VARIABLE missing GET "${summary_${ranks}}" ${key})
   list(JOIN key " " name)
   if(missing OR NOT value MATCHES "^-?[0-9]")
     message(FATAL_ERROR "summary.json has no number at ${name}")
