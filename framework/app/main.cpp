@@ -17,7 +17,7 @@ namespace {
 
 struct Arguments {
   RunOptions run;
-  std::string kind, name, folder;
+  std::string kind, name, folder, python;
   std::vector<std::string> names;
   bool markdown = false, only_check = false;
 };
@@ -81,6 +81,7 @@ void add_commands(CLI::App& app, Arguments& a) {
       ->type_name("");
   made->add_option("--output", a.folder, "folder in which the folder NAME is made; by default the present one")
       ->type_name("DIR");
+  made->add_option("--from", a.python, "file of laws in Python, of which one is to be translated")->type_name("LAW.py");
   add_command(app, a, "schema", "print the JSON schema of the input");
   add_command(app, a, "reference", "write the reference manual as Markdown")
       ->add_option("--output", a.folder, "folder to write to")
@@ -103,7 +104,7 @@ int dispatch(const std::string& command, const Arguments& a, int argc, char** ar
   if (command == "drive") return drive_command(a.run, registry, a.only_check);
   if (command == "list") return list_command(registry, a.kind);
   if (command == "describe") return describe_command(registry, a.names, a.markdown);
-  if (command == "new-plugin") return new_plugin_command(registry, a.kind, a.name, a.folder);
+  if (command == "new-plugin") return new_plugin_command(registry, a.kind, a.name, a.folder, a.python);
   if (command == "schema") return schema_command(registry);
   return reference_command(registry, a.folder);
 }
