@@ -108,3 +108,5 @@ class PointwiseEos : public detail::PointwiseLaw<LawType, Eos> {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(eos, KERF_SIZE(EosInput), KERF_SIZE(EosOutput), KERF_SIZE(EosBatch), KERF_SIZE(Eos))

@@ -181,3 +181,6 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
 };
 
 }  // namespace kerf
+
+KERF_SIZES(erosion, KERF_SIZE(ErosionInputPoint), KERF_SIZE(Verdict), KERF_SIZE(ErosionBatch),
+           KERF_SIZE(NonLocalAverage), KERF_SIZE(ErosionCriterion))

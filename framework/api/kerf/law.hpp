@@ -272,3 +272,6 @@ class PointwiseLaw : public Base {
 
 }  // namespace detail
 }  // namespace kerf
+
+KERF_SIZES(law, KERF_SIZE(LawRows), KERF_SIZE(InitialPoint), KERF_SIZE(ReadComplaint), KERF_SIZE(Law),
+           KERF_SIZE(LawError))

@@ -158,3 +158,6 @@ class PointwiseMaterial : public detail::PointwiseLaw<LawType, Material> {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(material, KERF_SIZE(PointInput), KERF_SIZE(MaterialBatch), KERF_SIZE(SingleMaterialBatch),
+           KERF_SIZE(Material))

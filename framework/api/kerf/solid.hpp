@@ -109,3 +109,5 @@ class PointwiseSolid : public detail::PointwiseLaw<LawType, Solid> {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(solid, KERF_SIZE(SolidInput), KERF_SIZE(SolidModuli), KERF_SIZE(SolidBatch), KERF_SIZE(Solid))
