@@ -66,6 +66,7 @@ LibraryFile::LibraryFile(const std::string& path) {
   if (std::filesystem::is_directory(path, unknown)) refuse_as_no_library("a folder");
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
+  if (!stream && errno == ENOENT) refuse("is not there; let all ranks and machines see the same file");
   if (!stream)
     refuse(fmt::format("cannot be read: {}; give the one who runs Kerf the right to read it", std::strerror(errno)));
   std::ostringstream text;

@@ -119,10 +119,10 @@ void open_plugin(const std::string& path, const LibraryFile& file, Registry& reg
   const auto register_types = reinterpret_cast<RegisterFunction>(dlsym(library, register_symbol));
   try {
     register_types(registry);
-  } catch (const std::exception&) {
-    throw;
+  } catch (const std::exception& e) {
+    throw std::runtime_error(fmt::format("its types cannot be registered: {}", e.what()));
   } catch (...) {
-    throw std::runtime_error("has thrown something that is not a std::exception when its types were registered");
+    throw std::runtime_error("its types cannot be registered: something was thrown that is not a std::exception");
   }
 }
 

@@ -22,8 +22,9 @@
 namespace kerf {
 namespace {
 
-// What rank 0 does alone while the others wait must not stop a run that is well.
-constexpr double patience_of_waiting = 2.0;  // limits
+/// How long a rank may wait for others [s]. What one of them does alone must not stop a run that is well, and one that
+/// stands still speaks first, and needs some seconds to end the others.
+double patience_of_waiting(double limit) { return 2.0 * limit + 10.0; }
 constexpr double time_to_speak = 5.0;  // for a thread that was asked [s]
 
 std::atomic<bool> has_waited_long{false};
@@ -35,8 +36,8 @@ int signal_of_watch() { return SIGRTMIN + 5; }
 [[noreturn]] void stop(const Culprit& culprit, bool answered) {
   LastWords words;
   words.add(culprit.waits ? "other ranks were waited for for " : "nothing has come to an end for ")
-      .add_seconds(activity::limit * (culprit.waits ? patience_of_waiting : 1.0))
-      .add(culprit.waits ? " (twice " : " (")
+      .add_seconds(culprit.waits ? patience_of_waiting(activity::limit) : activity::limit.load())
+      .add(culprit.waits ? " (more than twice " : " (")
       .add(activity::limit_name.load())
       .add("), ")
       .add_activity();
@@ -90,10 +91,10 @@ class Watch {
       was_asked = has_waited_long = false;
     } else if (asked_ == 0 && idle_ >= limit) {
       ask();
-    } else if (asked_ == 1 && idle_ >= patience_of_waiting * limit) {
+    } else if (asked_ == 1 && idle_ >= patience_of_waiting(limit)) {
       has_waited_long = true;
       ask();
-    } else if (asked_ > 0 && was_asked && idle_ >= limit * (asked_ == 1 ? 1.0 : patience_of_waiting) + time_to_speak) {
+    } else if (asked_ > 0 && was_asked && idle_ >= (asked_ == 1 ? limit : patience_of_waiting(limit)) + time_to_speak) {
       stop({}, false);
     }
   }

@@ -7,7 +7,7 @@ namespace kerf {
 
 /// Starts a thread that watches the beats of core/activity.hpp. Where none comes for the limit of the present task, the
 /// thread that computes is interrupted, writes which library it is in, and ends the program with the task's exit code.
-/// A rank that waits for others in MPI speaks after twice the limit only: the one that they wait for comes first.
+/// A rank that waits for others in MPI speaks after more than twice the limit only: the one it waits for comes first.
 /// To be called once, from the thread that computes.
 void watch_for_stalls();
 

@@ -290,22 +290,17 @@ TEST_F(Binding, loader_refuses_what_is_no_plugin) {
                   "library (.so), by its path or by its name in a folder of KERF_PLUGIN_PATH"});
 }
 
-struct Fragile : Plugin {
+struct Fragile final : Law {
   Fragile() { throw std::runtime_error("the table is missing"); }
   static void describe(Schema<Fragile>&) {}
-};
-struct Holder {
-  std::unique_ptr<Plugin> law;
-  static void describe(Schema<Holder>& s) { s.plugin(&Holder::law, "law", "law", "a law"); }
 };
 
 TEST_F(Binding, a_constructor_that_throws_is_told_where_the_type_is_named) {
   registry.add_type<Fragile>("law", "fragile", "throws", "fragile.cpp");
-  Holder holder;
-  bind_to(holder, "law:\n  type: fragile\n");
-  EXPECT_EQ(diagnostics.errors(),
-            Lines{"case.yaml:2:9: error: the constructor of the law fragile (fragile.cpp) has thrown "
-                  "an exception: the table is missing"});
+  EXPECT_EQ(
+      errors("inner:\n  law:\n    type: fragile\n"),
+      Lines{"a.yaml:4:11: error: the constructor of the law fragile (fragile.cpp) has thrown an exception: the table "
+            "is missing"});
 }
 
 }  // namespace
