@@ -57,7 +57,11 @@ void note_exception() {
     std::strncat(uncaught, what, sizeof uncaught - std::strlen(uncaught) - 1);
   };
   try {
-    if (const std::exception_ptr e = std::current_exception()) std::rethrow_exception(e);
+    if (const std::exception_ptr e = std::current_exception())
+      std::rethrow_exception(e);
+    else
+      std::strcpy(uncaught,
+                  "std::terminate() was called, as for an exception that must not leave a function or a loop");
   } catch (const std::exception& e) {
     note(e.what());
   } catch (...) {
