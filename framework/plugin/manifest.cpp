@@ -114,7 +114,7 @@ std::string difference_in(const std::string& key, const Lines& theirs, const Lin
 }  // namespace
 
 std::string own_manifest() {
-  static constexpr auto manifest = detail::manifest_text<struct ManifestOfTheEngine>();
+  static constexpr auto manifest = detail::manifest_text<struct ManifestOfTheEngine, interface_version>();
   return manifest.text;
 }
 

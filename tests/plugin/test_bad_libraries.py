@@ -123,7 +123,7 @@ def test_flags_that_cmake_is_given_by_the_author(tmp_path):
                                                            "find_package", 1))
         done = listed(build(copy, tmp_path / name, "swift_material.so"))
         assert (done.returncode == 0) == fits, done.stderr
-        assert fits or 'the compile flags that differ are "-fno-signed-zeros" in the plugin and "none" here' in done.stderr
+        assert fits or 'that differ are "-fno-signed-zeros" in the plugin and "none" here' in done.stderr
 
 
 def test_another_instruction_set(tmp_path):
@@ -220,10 +220,12 @@ def test_a_symbol_that_is_missing(tmp_path):
 
 def test_a_library_that_it_needs_is_gone(tmp_path):
     (tmp_path / "table.cpp").write_text("double yield_of_table(int row) { return row; }\n")
-    done = call(cached("CMAKE_CXX_COMPILER"), "-shared", "-fPIC", tmp_path / "table.cpp", "-o", tmp_path / "libtable.so")
+    done = call(cached("CMAKE_CXX_COMPILER"), "-shared", "-fPIC", tmp_path / "table.cpp", "-o",
+                tmp_path / "libtable.so")
     assert done.returncode == 0, done.stderr
     source = tmp_path / "needs.cpp"
-    source.write_text("double yield_of_table(int row);\ndouble first_row = yield_of_table(1);\n" + SOURCE_FILE.read_text())
+    source.write_text("double yield_of_table(int row);\ndouble first_row = yield_of_table(1);\n" +
+                      SOURCE_FILE.read_text())
     plugin = tmp_path / "needs.so"
     done = call(cached("CMAKE_CXX_COMPILER"), *flags(), source, "-o", plugin, f"-L{tmp_path}", "-ltable",
                 f"-Wl,-rpath,{tmp_path}")
@@ -332,7 +334,8 @@ KERF_EOS(Void, "void", "returns no number")
 
 @pytest.mark.parametrize("ranks", [1, 2])
 @pytest.mark.parametrize("fault, cause, number", [
-    ("aborts", "a law calls abort()", signal.SIGABRT), ("crashes", "a law reads or writes where it must not", signal.SIGSEGV),
+    ("aborts", "a law calls abort()", signal.SIGABRT),
+    ("crashes", "a law reads or writes where it must not", signal.SIGSEGV),
     ("recurses", "a law calls itself without end", signal.SIGSEGV),
     ("calls", "a law calls a function that is not there", signal.SIGSEGV),
     ("escapes", "an exception leaves a noexcept function", signal.SIGABRT)])
@@ -351,7 +354,8 @@ def test_a_law_that_crashes(library, case, fault, cause, number, ranks):
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_a_law_that_never_ends(library, case, ranks):
     """The rank that loops is named; the one that waits for it keeps silent."""
-    done = attempt(case, library, "materials.metal.strength.fault=loops", "materials.metal.strength.x=5 mm", ranks=ranks)
+    done = attempt(case, library, "materials.metal.strength.fault=loops", "materials.metal.strength.x=5 mm",
+                   ranks=ranks)
     assert done.returncode == 3, done.stdout + done.stderr
     line = is_told("a law never ends", done.stderr)
     assert "in phase elements of cycle " in line
@@ -377,7 +381,7 @@ def test_ranks_that_see_different_files(library, tmp_path, command, named):
     for i, folder in enumerate(folders):
         folder.mkdir()
         (folder / "bad.so").write_bytes(library.read_bytes() + b"\0" * i)
-        (folder / "case.yaml").write_text(json.dumps({**CASE, **({"plugins": ["bad.so"]} if named == "plugins" else {})}))
+        (folder / "case.yaml").write_text(json.dumps({**CASE, "plugins": ["bad.so"] * (named == "plugins")}))
     words = [command, "case.yaml", *(["--plugin", "bad.so"] if named == "--plugin" else [])]
     good = on_folders([folders[0], folders[0]], *words)
     assert good.returncode == 0, good.stderr

@@ -150,7 +150,8 @@ extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf
 """)
     done = call(KERF, "list", "--plugin", compile_library(source, tmp_path / "foreign.so", "-fvisibility=default"))
     assert done.returncode == 2
-    for text in ("the interface version is 11 in the plugin and 10 here", "the lane width is 4 in the plugin and 8 here",
+    for text in ("the interface version is 11 in the plugin and 10 here",
+                 "the lane width is 4 in the plugin and 8 here",
                  "Kerf's version is \"9.9\" in the plugin and"):
         assert text in done.stderr
 

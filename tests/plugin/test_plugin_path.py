@@ -62,7 +62,8 @@ def test_all_places_are_listed(folders, path, ranks):
     done = call(KERF, "check", "plain.yaml", "--plugin", "worse", "--ranks", ranks, cwd=folders / "case", env=path)
     assert done.returncode == 2
     first, second = folders / "first", folders / "second"
-    assert f"looked for worse, {first}/worse, {first}/worse.so, {second}/worse, {second}/worse.so; expected" in done.stderr
+    assert (f"looked for worse, {first}/worse, {first}/worse.so, {second}/worse, {second}/worse.so; expected"
+            in done.stderr)
     (folders / "case" / "other.yaml").write_text(json.dumps({**CASE, "plugins": ["worse.so"]}))
     done = call(KERF, "check", "other.yaml", "--ranks", ranks, cwd=folders / "case", env=path)
     assert done.returncode == 2

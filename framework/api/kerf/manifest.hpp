@@ -10,9 +10,6 @@
 
 namespace kerf {
 
-/// Number of the contract between engine and plugins; raised whenever a header in kerf/ changes meaning.
-inline constexpr int interface_version = 10;
-
 #ifndef KERF_VERSION
 #define KERF_VERSION "0.2.0"
 #endif
@@ -118,10 +115,10 @@ constexpr void write_sizes(ManifestWriter& to) {
 }
 
 /// `At` is a type that no other source file has: the lists are looked for where it is named, behind all headers.
-template <class At, std::size_t... header>
+template <class At, int interface, std::size_t... header>
 constexpr std::size_t write_manifest(char* room, std::index_sequence<header...>) {
   ManifestWriter to(room);
-  to.line("interface", static_cast<std::size_t>(interface_version));
+  to.line("interface", static_cast<std::size_t>(interface));
   to.line("kerf", KERF_VERSION);
   to.line("compiler", __VERSION__);
   to.line("lane_width", static_cast<std::size_t>(lane_width));
@@ -138,11 +135,11 @@ struct ManifestText {
   char text[n + 1] = {};
 };
 
-template <class At>
+template <class At, int interface>
 consteval auto manifest_text() {
   constexpr std::make_index_sequence<static_cast<std::size_t>(ApiHeader::count)> headers;
-  ManifestText<write_manifest<At>(nullptr, headers)> manifest;
-  write_manifest<At>(manifest.text, headers);
+  ManifestText<write_manifest<At, interface>(nullptr, headers)> manifest;
+  write_manifest<At, interface>(manifest.text, headers);
   return manifest;
 }
 

@@ -16,6 +16,9 @@
 
 namespace kerf {
 
+/// Number of the contract between engine and plugins; raised whenever a header in kerf/ changes meaning.
+inline constexpr int interface_version = 10;
+
 /// A registered type: what it declares and how one is made. `parameters` is the address to fill.
 struct Made {
   std::unique_ptr<Plugin> plugin;
@@ -101,15 +104,14 @@ KERF_SIZES(plugin, KERF_SIZE(Made), KERF_SIZE(Registrar))
 // A shared plugin exports its manifest and its registration under fixed names; in-tree plugins are called
 // by a name made from the file, which kerf_add_plugin() passes as KERF_PLUGIN_ENTRY.
 #ifdef KERF_PLUGIN_SHARED
-#define KERF_REGISTER(...)                                                                                         \
-  extern "C" {                                                                                                     \
-  extern __attribute__((visibility("default")))                                                                    \
-  const decltype(kerf::detail::manifest_text<struct KerfPluginOfThisFile>()) kerf_plugin_manifest_text;            \
-  constinit const decltype(kerf::detail::manifest_text<struct KerfPluginOfThisFile>()) kerf_plugin_manifest_text = \
-      kerf::detail::manifest_text<struct KerfPluginOfThisFile>();                                                  \
-  }                                                                                                                \
-  extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf::Registrar& registrar) {        \
-    __VA_ARGS__                                                                                                    \
+#define KERF_MANIFEST_TEXT kerf::detail::manifest_text<struct KerfPluginOfThisFile, kerf::interface_version>()
+#define KERF_REGISTER(...)                                                                                    \
+  extern "C" {                                                                                                \
+  extern __attribute__((visibility("default"))) const decltype(KERF_MANIFEST_TEXT) kerf_plugin_manifest_text; \
+  constinit const decltype(KERF_MANIFEST_TEXT) kerf_plugin_manifest_text = KERF_MANIFEST_TEXT;                \
+  }                                                                                                           \
+  extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf::Registrar& registrar) {   \
+    __VA_ARGS__                                                                                               \
   }
 #else
 #ifndef KERF_PLUGIN_ENTRY
