@@ -5,6 +5,7 @@
 
 #include "app/commands.hpp"
 #include "core/diagnostics.hpp"
+#include "drive/drive_input.hpp"
 #include "input/json_schema.hpp"
 #include "input/library.hpp"
 #include "input/library_pages.hpp"
@@ -64,8 +65,9 @@ int describe_command(const Registry& registry, const std::vector<std::string>& n
   const std::string& name = names.back();
   if (names.size() == 2 && names.front() == "library") return describe_set(registry, read_library(), name, markdown);
   if (names.size() == 1 && name == "input") return show(input_description());
+  if (names.size() == 1 && name == "drive") return show(drive_description());
   std::vector<const Description*> found;
-  std::vector<std::string> all = {"input"}, homonyms;
+  std::vector<std::string> all = {"input", "drive"}, homonyms;
   for (const std::string& kind : registry.kinds()) {
     if (names.size() == 2 && kind != names.front()) continue;
     for (const std::string& candidate : registry.names(kind)) all.push_back(candidate);
@@ -101,7 +103,7 @@ int schema_command(const Registry& registry) {
 }
 
 int reference_command(const Registry& registry, const std::string& folder) {
-  write_reference(registry, folder, output_reference());
+  write_reference(registry, folder, output_reference(), describe_markdown(drive_description()));
   write_library_reference(read_library_of_kerf(), registry, folder);
   return exit_done;
 }

@@ -184,7 +184,8 @@ void write_page(const std::string& name, const std::string& text) {
   if (!file) throw std::runtime_error("cannot write " + path.string());
 }
 
-void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page) {
+void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page,
+                     const std::string& drive_page) {
   const std::filesystem::path root = std::filesystem::absolute(folder).lexically_normal();
   std::string index =
       "# Reference\n\nEverything that an input file can name, one page per type: what it takes, units, defaults, "
@@ -192,9 +193,11 @@ void write_reference(const Registry& registry, const std::string& folder, const 
       "values, and the state variables it keeps. Generated from the declarations in the code by `kerf reference`; "
       "changes belong there. On the terminal, `kerf list` and `kerf describe NAME` show the same.\n\n"
       "- [input](input.md): the whole input file\n"
+      "- [drive](drive.md): the whole file of `kerf drive`\n"
       "- [output](output.md): columns, keys, fields and timers that are written\n"
       "- [library](library/README.md): sets of constants of named materials\n";
   write_page((root / "input.md").string(), describe_markdown(input_description()));
+  write_page((root / "drive.md").string(), drive_page);
   write_page((root / "output.md").string(), output_page);
   for (const std::string& kind : registry.kinds()) {
     index += fmt::format("\n## {}\n\n", kind);

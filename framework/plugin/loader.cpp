@@ -15,6 +15,7 @@
 #include "core/activity.hpp"
 #include "plugin/culprit.hpp"
 #include "plugin/manifest.hpp"
+#include "plugin/prototype.hpp"
 #include "plugin/stall_watch.hpp"
 
 namespace kerf {
@@ -71,7 +72,8 @@ PluginPlace find_plugin(const std::string& name, const std::string& path, const 
   if (name.find('/') == std::string::npos)
     for (const std::string& folder : folders) {
       tried.push_back((std::filesystem::path(folder) / name).string());
-      if (std::filesystem::path(name).extension() != ".so") tried.push_back(tried.back() + ".so");
+      if (std::filesystem::path(name).extension() != ".so" && !is_prototype(name))
+        tried.push_back(tried.back() + ".so");
     }
   for (const std::string& candidate : tried)
     if (std::filesystem::is_regular_file(candidate, unknown)) return {candidate, ""};
@@ -88,6 +90,7 @@ LibraryFile read_plugin(const std::string& path) {
 }
 
 void require_fitting(const std::string& path, LibraryFile& file) {
+  if (is_prototype(path)) return;
   const activity::Task task("reading the plugin " + path, load_limit());
   file.require_whole();
   const std::optional<std::string> manifest = file.text_of(manifest_symbol);
@@ -102,8 +105,7 @@ void require_fitting(const std::string& path, LibraryFile& file) {
   if (has_unknown_flags(*manifest))
     throw std::runtime_error(
         "was compiled without kerf_add_plugin(), so nobody knows with which flags; they decide what numbers mean; "
-        "build "
-        "it with kerf_add_plugin()");
+        "build it with kerf_add_plugin()");
   const std::string difference = manifest_difference(*manifest, own_manifest());
   if (!difference.empty())
     throw std::runtime_error("does not fit this Kerf: " + difference +
@@ -112,6 +114,7 @@ void require_fitting(const std::string& path, LibraryFile& file) {
 
 void open_plugin(const std::string& path, const LibraryFile& file, Registry& registry) {
   const activity::Task task("loading the plugin " + path, load_limit());
+  if (is_prototype(path)) return load_prototype(path, registry);
   const std::string opened = with_folder(path);
   remember_library(opened, file.functions());
   void* library = dlopen(opened.c_str(), RTLD_NOW | RTLD_LOCAL);

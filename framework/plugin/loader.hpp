@@ -30,7 +30,7 @@ PluginPlace find_plugin(const std::string& name, const std::string& path, const 
 // ends the program; see stall_watch.hpp.
 
 LibraryFile read_plugin(const std::string& path);
-/// Whether it is a whole library, and a plugin for this Kerf.
+/// Whether it is a whole library, and a plugin for this Kerf. Laws in Python are read when they are opened.
 void require_fitting(const std::string& path, LibraryFile& file);
 /// Loads the library and registers what it holds. The library stays loaded. Pre: require_fitting() did not throw.
 void open_plugin(const std::string& path, const LibraryFile& file, Registry& registry);
