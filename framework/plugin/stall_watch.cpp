@@ -29,6 +29,7 @@ constexpr double time_to_speak = 5.0;  // for a thread that was asked [s]
 
 std::atomic<bool> has_waited_long{false};
 std::atomic<bool> was_asked{false};  // and has not answered
+std::atomic<std::uint64_t> beats_when_asked{0};
 
 int signal_of_watch() { return SIGRTMIN + 5; }
 
@@ -41,6 +42,8 @@ int signal_of_watch() { return SIGRTMIN + 5; }
       .add(activity::limit_name.load())
       .add("), ")
       .add_activity();
+  if (culprit.waits && culprit.library)
+    words.add(", in a call of MPI by the plugin library ").add(culprit.library).add_function(culprit);
   if (culprit.waits)
     words.add(", and none of them has said why; a plugin may have called MPI on some ranks only");
   else if (culprit.library)
@@ -60,9 +63,10 @@ int signal_of_watch() { return SIGRTMIN + 5; }
 
 /// Runs in the thread that computes.
 void answer(int, siginfo_t*, void* context) {
+  was_asked = false;
+  if (activity::beats != beats_when_asked) return;  // something has come to an end just now
   const Culprit culprit = find_culprit(context);
   if (!culprit.waits || has_waited_long) stop(culprit, true);
-  was_asked = false;
 }
 
 /// The time without a beat is counted in looks, not read from a clock: a program that was suspended has not stood
@@ -101,6 +105,7 @@ class Watch {
   void ask() {
     ++asked_;
     was_asked = true;
+    beats_when_asked = beats_;
     pthread_kill(computes_, signal_of_watch());
   }
 

@@ -1,10 +1,12 @@
 // A material with the fault that its input names, and a registration with the fault that the environment names.
 #include <kerf/material.hpp>
 
+#include <chrono>
 #include <cstdlib>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 using namespace kerf;
 
@@ -19,6 +21,11 @@ bool registration_is(const char* fault) {
   for (volatile unsigned i = 0;; i = i + 1) {
   }
 }
+
+#ifdef BAD_START
+[[gnu::noinline]] int crash() { return *reinterpret_cast<volatile int*>(8); }
+int started = crash();
+#endif
 
 [[gnu::noinline]] int recurse_for_ever(int n) {
   volatile char room[1000] = {};
@@ -39,10 +46,10 @@ struct Bad final : PointwiseMaterial<Bad> {
     if (registration_is("loops")) loop_for_ever();
     if (registration_is("throws")) throw std::runtime_error("the licence has run out");
     if (registration_is("throws a number")) throw 7;
-    s.choice(
-         &Bad::fault, "fault",
-         {"none", "throws", "nan_stress", "nan_modulus", "aborts", "crashes", "loops", "escapes", "recurses", "calls"},
-         "what is wrong")
+    s.choice(&Bad::fault, "fault",
+             {"none", "throws", "nan_stress", "nan_modulus", "aborts", "crashes", "loops", "slow", "escapes",
+              "recurses", "calls"},
+             "what is wrong")
         .by_default("none");
     s.real(&Bad::x, "x", "m", any_value, "elements below it have the fault").by_default("1 m");
   }
@@ -65,6 +72,7 @@ struct Bad final : PointwiseMaterial<Bad> {
     modulus = 80e9;
     if (in.reference_position.x > x || in.time < 1e-6) return;
     act(in.time);
+    if (fault == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(50));
     if (fault == "throws") throw std::runtime_error("the table has no such row");
     if (fault == "nan_stress") stress.xx = std::numeric_limits<double>::quiet_NaN();
     if (fault == "nan_modulus") modulus = std::numeric_limits<double>::quiet_NaN();

@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import time
 from pathlib import Path
 
 import pytest
@@ -256,6 +257,12 @@ def test_the_name_of_another_plugin_or_of_a_built_in_type(library, tmp_path):
 # ---- what shows when it is loaded
 
 
+def test_code_that_crashes_when_it_is_loaded(tmp_path):
+    done = listed(compile_library(SOURCE_FILE, tmp_path / "start.so", "-DBAD_START"))
+    assert done.returncode == -signal.SIGSEGV
+    is_told("its code crashes when it is loaded", done.stderr)
+
+
 def test_a_registration_that_throws(library):
     refused("the registration throws", library, {"BAD_REGISTRATION": "throws"})
     done = listed(library, {"BAD_REGISTRATION": "throws a number"})
@@ -360,6 +367,61 @@ def test_a_law_that_never_ends(library, case, ranks):
     line = is_told("a law never ends", done.stderr)
     assert "in phase elements of cycle " in line
     assert done.stderr.count("error: ") == 1, done.stderr
+
+
+def test_a_run_that_is_slow_or_suspended_goes_on(library, case):
+    """It takes longer than the limit in all, and is suspended for longer than it, but no phase takes so long."""
+    words = [KERF, "run", case, "--plugin", library, "--output", case.parent / "out", "--set", "checks.stall_limit=1 s",
+             "--set", "materials.metal.strength={type: bad, fault: slow, x: 1 mm}"]
+    with subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True) as process:
+        time.sleep(1.0)
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(2.5)
+        process.send_signal(signal.SIGCONT)
+        _, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
+    summary = json.loads((case.parent / "out" / "summary.json").read_text())
+    assert summary["wall_seconds"] > 3.5
+
+
+def test_the_limit_is_no_part_of_the_model(library, case):
+    """A run that stood still can be resumed with another limit, or with none."""
+    assert attempt(case, library).returncode == 0
+    for limit in ("0", "100 s"):
+        done = call(KERF, "run", case, "--plugin", library, "--output", case.parent / "out", "--resume", "--set",
+                    f"checks.stall_limit={limit}", "--set", "time.end=5 us")
+        assert done.returncode == 0, done.stderr
+    case.write_text(json.dumps({key: value for key, value in CASE.items() if key != "checks"}))
+    assert attempt(case, library).returncode == 0
+    done = attempt(case, library, "checks.stall_limit=5 s", "time.end=5 us")
+    assert done.returncode == 0, done.stderr
+
+
+def test_all_ranks_wait_for_one_another(case, tmp_path):
+    """Rank 0 waits for a message that nobody sends; the others wait for rank 0."""
+    source = tmp_path / "waits.cpp"
+    source.write_text("""
+#include <kerf/observer.hpp>
+#include <mpi.h>
+struct Waits final : kerf::Observer {
+  static void describe(kerf::Schema<Waits>&) {}
+  std::vector<kerf::ObservedColumn> columns() const override { return {{"x", "-", "nothing"}}; }
+  void sample(kerf::ObservedModel& model, std::span<double>) override {
+    int rank = 0, nothing = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    if (rank == 0 && model.time > 1e-6) MPI_Recv(&nothing, 1, MPI_INT, 1, 77, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  }
+};
+KERF_OBSERVER(Waits, "waits", "waits for a message that nobody sends")
+""")
+    paths = call("mpicxx", "--showme:compile").stdout.split()
+    plugin = compile_library(source, tmp_path / "waits.so", *paths)
+    case.write_text(json.dumps({**CASE, "observers": {"deaf": {"type": "waits"}}}))
+    elastic = "materials.metal.strength={type: elastic, shear_modulus: 80 GPa}"
+    done = attempt(case, plugin, elastic, "checks.stall_limit=1 s", ranks=2)
+    assert done.returncode == 3, done.stdout + done.stderr
+    is_told("MPI is called on some ranks only", done.stderr)
 
 
 # ---- several ranks
