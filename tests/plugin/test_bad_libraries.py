@@ -443,7 +443,7 @@ def test_ranks_that_see_different_files(library, tmp_path, command, named):
     for i, folder in enumerate(folders):
         folder.mkdir()
         (folder / "bad.so").write_bytes(library.read_bytes() + b"\0" * i)
-        (folder / "case.yaml").write_text(json.dumps({**CASE, "plugins": ["bad.so"] * (named == "plugins")}))
+        (folder / "case.yaml").write_text(json.dumps(CASE if named == "--plugin" else {**CASE, "plugins": ["bad.so"]}))
     words = [command, "case.yaml", *(["--plugin", "bad.so"] if named == "--plugin" else [])]
     good = on_folders([folders[0], folders[0]], *words)
     assert good.returncode == 0, good.stderr
