@@ -7,6 +7,7 @@
 #include <sstream>
 #include <vector>
 
+#include "kerf/balance_policy.hpp"
 #include "kerf/boundary.hpp"
 #include "kerf/contact.hpp"
 #include "kerf/curve.hpp"

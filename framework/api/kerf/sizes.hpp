@@ -34,6 +34,7 @@ enum class ApiHeader {
   measure,
   observer,
   partitioner,
+  balance_policy,
   count
 };
 
