@@ -69,8 +69,8 @@ FILES = {
                       "laws.so: error: there is no such plugin file; looked for laws.so; expected a shared library "
                       "(.so), by its path or by its name in a folder of KERF_PLUGIN_PATH"),
     "plugin that is no library": (["case.yaml", "--plugin", "case.yaml"],
-                                  "case.yaml: error: is a file of another kind, not a shared library; name the .so file "
-                                  "that kerf_add_plugin() has made"),
+                                  "case.yaml: error: is a file of another kind, not a shared library; name the .so "
+                                  "file that kerf_add_plugin() has made"),
     "nothing to resume from": (["case.yaml", "--resume", "--output", "new"],
                                "new/restart/restart.h5: error: there is no restart file to resume from; a run writes "
                                "one at its end (unless output.restart_at_end is false), when a signal stops it and, if "
