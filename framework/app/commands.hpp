@@ -38,6 +38,9 @@ int list_command(const Registry& registry, const std::string& kind);
 /// `names` is NAME or KIND NAME; "input" names the whole input file, "drive" a drive file.
 int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown);
 int schema_command(const Registry& registry);
+/// Makes the folder NAME, inside of `folder`, with a plugin of the kind, its tests and its pages.
+int new_plugin_command(const Registry& registry, const std::string& kind, const std::string& name,
+                       const std::string& folder);
 int reference_command(const Registry& registry, const std::string& folder);
 
 /// Whether relaunch_under_mpirun() would start mpirun.

@@ -19,7 +19,7 @@ namespace {
 
 struct Arguments {
   RunOptions run;
-  std::string kind, folder;
+  std::string kind, name, folder;
   std::vector<std::string> names;
   bool markdown = false, only_check = false;
 };
@@ -76,6 +76,13 @@ void add_commands(CLI::App& app, Arguments& a) {
       ->expected(1, 2)
       ->type_name("");
   describe->add_flag("--markdown", a.markdown, "write Markdown");
+  CLI::App* made = add_command(app, a, "new-plugin", "make a folder with a plugin to start from, its tests and pages");
+  made->add_option("KIND", a.kind, "kind of the plugin, for example material")->required()->type_name("");
+  made->add_option("NAME", a.name, "name of the new type and of the folder: lower-case words joined by _")
+      ->required()
+      ->type_name("");
+  made->add_option("--output", a.folder, "folder in which the folder NAME is made; by default the present one")
+      ->type_name("DIR");
   add_command(app, a, "schema", "print the JSON schema of the input");
   add_command(app, a, "reference", "write the reference manual as Markdown")
       ->add_option("--output", a.folder, "folder to write to")
@@ -98,6 +105,7 @@ int dispatch(const std::string& command, const Arguments& a, int argc, char** ar
   diagnostics.throw_if_errors();
   if (command == "list") return list_command(registry, a.kind);
   if (command == "describe") return describe_command(registry, a.names, a.markdown);
+  if (command == "new-plugin") return new_plugin_command(registry, a.kind, a.name, a.folder);
   if (command == "schema") return schema_command(registry);
   return reference_command(registry, a.folder);
 }
