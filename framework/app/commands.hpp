@@ -17,11 +17,11 @@ enum ExitCode : int {
   exit_signal = 4,  // stopped by a signal; can be resumed
 };
 
-/// What `run` and `check` are told. `plugins` are in the registry already when a command is called.
+/// What `run` and `check` are told. They load the plugins.
 struct RunOptions {
   std::string input, output;
   std::vector<std::string> overrides;  // "key.path=value"
-  std::vector<std::string> plugins;  // paths of shared libraries
+  std::vector<std::string> plugins;  // shared libraries, by path or by name
   bool resume = false;
   int ranks = 0;  // 0 where not given
 };
