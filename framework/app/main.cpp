@@ -9,15 +9,17 @@
 #include "app/commands.hpp"
 #include "app/load_input.hpp"
 #include "core/diagnostics.hpp"
+#include "plugin/crash_report.hpp"
 #include "plugin/loader.hpp"
 #include "plugin/registry.hpp"
+#include "plugin/stall_watch.hpp"
 
 namespace kerf {
 namespace {
 
 struct Arguments {
   RunOptions run;
-  std::string kind, name, folder;
+  std::string kind, name, folder, python;
   std::vector<std::string> names;
   bool markdown = false, only_check = false;
 };
@@ -81,6 +83,7 @@ void add_commands(CLI::App& app, Arguments& a) {
       ->type_name("");
   made->add_option("--output", a.folder, "folder in which the folder NAME is made; by default the present one")
       ->type_name("DIR");
+  made->add_option("--from", a.python, "file of laws in Python, of which one is to be translated")->type_name("LAW.py");
   add_command(app, a, "schema", "print the JSON schema of the input");
   add_command(app, a, "reference", "write the reference manual as Markdown")
       ->add_option("--output", a.folder, "folder to write to")
@@ -89,21 +92,21 @@ void add_commands(CLI::App& app, Arguments& a) {
 }
 
 int dispatch(const std::string& command, const Arguments& a, int argc, char** argv) {
+  load_limit();  // a wrong one is told before anything else
   Registry registry;
   register_builtin_plugins(registry);
-  Diagnostics diagnostics;
-  for (const std::string& path : a.run.plugins) load_plugin(path, registry, diagnostics);
-  diagnostics.throw_if_errors();
   if (command == "run" || command == "check") {
     if (needs_mpirun(a.run.ranks)) check_before_launch(a.run, registry);
     relaunch_under_mpirun(a.run.ranks, argc, argv);
+    return command == "run" ? run_command(a.run, registry) : check_command(a.run, registry);
   }
-  if (command == "run") return run_command(a.run, registry);
-  if (command == "check") return check_command(a.run, registry);
   if (command == "drive") return drive_command(a.run, registry, a.only_check);
+  Diagnostics diagnostics;
+  for (const std::string& path : a.run.plugins) load_plugin(path, registry, diagnostics);
+  diagnostics.throw_if_errors();
   if (command == "list") return list_command(registry, a.kind);
   if (command == "describe") return describe_command(registry, a.names, a.markdown);
-  if (command == "new-plugin") return new_plugin_command(registry, a.kind, a.name, a.folder);
+  if (command == "new-plugin") return new_plugin_command(registry, a.kind, a.name, a.folder, a.python);
   if (command == "schema") return schema_command(registry);
   return reference_command(registry, a.folder);
 }
@@ -164,6 +167,8 @@ int run_program(int argc, char** argv) {
 }  // namespace kerf
 
 int main(int argc, char** argv) {
+  kerf::report_crashes();
+  kerf::watch_for_stalls();
   try {
     return kerf::run_program(argc, argv);
   } catch (const kerf::InputError& e) {

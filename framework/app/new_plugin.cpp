@@ -18,9 +18,11 @@
 #include <stdexcept>
 
 #include "app/commands.hpp"
+#include "app/skeleton.hpp"
 #include "core/diagnostics.hpp"
 #include "core/shared_folder.hpp"
 #include "input/parameter_text.hpp"
+#include "plugin/loader.hpp"
 
 namespace kerf {
 namespace {
@@ -176,10 +178,36 @@ std::vector<std::string> kinds_with_templates(const fs::path& templates) {
   return kinds;
 }
 
+/// The folder of a law that was tried in Python: what all kinds share, without the tests of a template's law. Throws
+/// std::runtime_error or InputError.
+Files files_from_python(Files templates, const std::string& kind, const std::string& name, const std::string& python) {
+  Diagnostics diagnostics;
+  Registry laws;
+  load_plugin(python, laws, diagnostics);
+  diagnostics.throw_if_errors();
+  const std::string text = text_of(python);
+  const Skeleton skeleton = skeleton_of(laws, kind, name, pascal_case(name), text);
+  std::erase_if(templates, [](const auto& file) {
+    return file.first.starts_with("tests/point") || file.first == "tests/expected.json" || file.first == "case.yaml";
+  });
+  Files files = filled_in(templates, kind, name);
+  std::istringstream readme(files["README.md"]);
+  std::string kept;
+  for (std::string line; std::getline(readme, line);)
+    if (line.find("case.yaml") == std::string::npos && line.find("expected.json") == std::string::npos)
+      kept += line + "\n";
+  files["README.md"] = kept;
+  files[name + ".cpp"] = skeleton.source;
+  files[name + ".md"] = skeleton.page;
+  files["tests/samples.yaml"] = skeleton.samples;
+  files[name + ".py"] = text;
+  return files;
+}
+
 }  // namespace
 
 int new_plugin_command(const Registry& registry, const std::string& kind, const std::string& name,
-                       const std::string& parent) {
+                       const std::string& parent, const std::string& python) {
   const fs::path templates = shared_folder("share/kerf/templates", KERF_TEMPLATES_OF_SOURCES);
   const fs::path folder = fs::path(parent) / name;
   std::error_code status;
@@ -198,7 +226,13 @@ int new_plugin_command(const Registry& registry, const std::string& kind, const 
                     pascal_case(name)));
   if (fs::exists(fs::symlink_status(folder, status)))
     return refuse(fmt::format("{} exists already; remove it, or name another folder with --output", folder.string()));
-  const Files files = filled_in(raw, kind, name);
+  Files files;
+  try {
+    files = python.empty() ? filled_in(raw, kind, name) : files_from_python(raw, kind, name, python);
+  } catch (const std::runtime_error& e) {
+    if (dynamic_cast<const InputError*>(&e) != nullptr) throw;
+    return refuse(fmt::format("--from {}: {}", python, e.what()));
+  }
   fs::create_directories(folder, status);
   if (status)
     return refuse(
