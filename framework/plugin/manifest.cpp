@@ -122,16 +122,21 @@ std::string own_manifest() {
 std::string manifest_difference(const std::string& theirs, const std::string& ours) {
   const Lines a = lines_of(theirs), b = lines_of(ours);
   // What says most comes first; then every other key that one of the two has, in the order of the alphabet.
-  std::vector<std::string> keys = {"interface",  "kerf",         "compiler",   "flags",
-                                   "arithmetic", "instructions", "lane_width", "standard_library"};
+  std::vector<std::string> keys = {"interface",    "compiler",   "flags",           "arithmetic",
+                                   "instructions", "lane_width", "standard_library"};
   Lines others = a;
   others.insert(b.begin(), b.end());
+  others.erase("kerf");
   for (const std::string& key : keys) others.erase(key);
   for (const auto& [key, value] : others) keys.push_back(key);
   std::string text;
   for (const std::string& key : keys)
     if (const std::string difference = difference_in(key, a, b); !difference.empty())
       text += (text.empty() ? "" : "; ") + difference;
+  // Versions differ and the interface stays: that is the promise of doc/plugin-authors/versions.md. They only explain
+  // another difference.
+  if (const std::string version = difference_in("kerf", a, b); !text.empty() && !version.empty())
+    text += "; " + version;
   return text;
 }
 

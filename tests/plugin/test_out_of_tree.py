@@ -130,13 +130,12 @@ def test_without_the_plugin_its_type_is_unknown(case):
     assert 'there is no material of type "swift"' in done.stderr
 
 
-def test_a_plugin_of_another_version_is_refused(tmp_path):
+def test_a_plugin_of_another_version_with_the_same_interface_loads(tmp_path):
     library = compile_library(HERE / "out_of_tree" / "swift_material.cpp", tmp_path / "old.so", "-UKERF_VERSION",
                               '-DKERF_VERSION="0.0.1"')
     done = call(KERF, "list", "--plugin", library)
-    assert done.returncode == 2 and done.stdout == ""
-    assert "does not fit this Kerf: Kerf's version is \"0.0.1\" in the plugin and" in done.stderr
-    assert "rebuild the plugin with kerf_add_plugin() of this Kerf and the same compiler" in done.stderr
+    assert done.returncode == 0, done.stderr
+    assert "swift" in done.stdout
 
 
 def test_a_plugin_of_another_interface_is_refused_with_every_difference(tmp_path):

@@ -23,6 +23,10 @@ TEST(Manifest, names_every_difference_with_both_values) {
             "\"1.2.3\" here");
 }
 
+TEST(Manifest, another_version_of_the_same_interface_fits) {
+  EXPECT_EQ(manifest_difference("interface=10\nkerf=1.2.9\nflags=-ffp-contract=off -fno-math-errno\n", head), "");
+}
+
 TEST(Manifest, compares_the_sizes_of_the_headers_that_a_plugin_includes) {
   const std::string ours = head + "size.load.Load=8\nsize.load.LoadedNode=16\nsize.mesh.Mesh=24\n";
   EXPECT_EQ(manifest_difference(head + "size.load.Load=8\nsize.load.LoadedNode=16\n", ours), "");
