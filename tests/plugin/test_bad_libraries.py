@@ -92,8 +92,8 @@ def test_another_number_of_the_interface(library, tmp_path):
     refused("another number of the interface", patched(library, tmp_path, b"interface=10\n", b"interface=11\n"))
 
 
-def test_another_version_of_kerf(library, tmp_path):
-    refused("another version of Kerf", patched(library, tmp_path, b"\nkerf=0.", b"\nkerf=9."))
+def test_another_version_of_kerf_with_the_same_interface_is_taken(library, tmp_path):
+    assert "bad" in listed(patched(library, tmp_path, b"\nkerf=0.", b"\nkerf=9.")).stdout
 
 
 def test_another_compiler(library, tmp_path):
