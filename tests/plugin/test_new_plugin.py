@@ -145,6 +145,12 @@ def test_an_installed_kerf_makes_plugins_too(tmp_path):
     assert str(prefix / "bin" / "kerf") in entries and str(KERF) not in entries
 
 
+def test_the_build_of_a_partitioner_is_that_of_all_kinds_and_mpi():
+    both = [(TEMPLATES / kind / "CMakeLists.txt").read_text() for kind in ("common", "partitioner")]
+    without = both[1].replace("find_package(MPI REQUIRED COMPONENTS CXX)\n", "").replace(" LINK MPI::MPI_CXX)", ")")
+    assert both[1] != both[0] and without == both[0]
+
+
 @pytest.mark.parametrize("words, said", [
     (["materail", NAME], 'there is no kind "materail"; did you mean `material`?'),
     (["common", NAME], 'there is no kind "common"; the kinds are '),
