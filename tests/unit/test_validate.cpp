@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "input/read_model.hpp"
-#include "kerf/balance_policy.hpp"
 #include "kerf/measure.hpp"
 
 namespace {
@@ -94,12 +93,6 @@ struct OneRank final : Partitioner {
   std::vector<int> partition(const PartitionProblem&) override { return {}; }
 };
 
-struct Threshold final : BalancePolicy {
-  static void describe(Schema<Threshold>&) {}
-  std::int64_t check_interval() const override { return 0; }
-  bool move(const BalanceState&) override { return false; }
-};
-
 struct Speed final : Measure {
   std::string part;
   static void describe(Schema<Speed>& s) { s.text(&Speed::part, "part", "part that is measured"); }
@@ -127,7 +120,6 @@ class Validate : public testing::Test {
     registry.add_type<OneRank>("partitioner", "zoltan_rcb", "", "");
     registry.add_type<Still>("balance_policy", "threshold", "", "");
     registry.add_type<NoSpace>("partitioner", "no_space", "", "");
-    registry.add_type<Threshold>("balance_policy", "threshold", "", "");
     registry.add_type<Speed>("measure", "speed", "", "");
     registry.add_type<Clamp>("boundary", "clamp", "", "");
     registry.add_type<Linear>("boundary", "impostor", "", "");
