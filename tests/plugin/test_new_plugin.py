@@ -186,7 +186,8 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     done = call(KERF, "new-plugin", "material", NAME, "--output", tmp_path / "file")
     assert done.returncode == 1
-    assert f"the folder {tmp_path}/file/{NAME} cannot be made: Not a directory; name another with --output" in done.stderr
+    expected = f"the folder {tmp_path}/file/{NAME} cannot be made: Not a directory; name another with --output"
+    assert expected in done.stderr
 
 
 def test_a_disk_that_is_full_leaves_nothing_behind(tmp_path):

@@ -16,7 +16,9 @@ COLUMNS = 120
 
 
 def sources(suffixes):
-    found = [path for room in ROOMS for path in sorted((SOURCE / room).rglob("*")) if path.suffix in suffixes]
+    """Templates have placeholders in place of names, which clang-format cannot know the length of."""
+    found = [path for room in ROOMS for path in sorted((SOURCE / room).rglob("*"))
+             if path.suffix in suffixes and "templates" not in path.parts]
     assert len(found) > 100, "the sources are not where this test looks for them"
     return found
 
