@@ -54,9 +54,9 @@ def made(tmp_path_factory):
 
     with ThreadPoolExecutor(max_workers=2) as pool:
         found = dict(zip(KINDS, pool.map(work, KINDS)))
-    print("\nkind          lines  seconds")
+    print("\nkind            lines  seconds")
     for kind, (folder, _, seconds) in found.items():
-        print(f"{kind:12}  {len((folder / f'{NAME}.cpp').read_text().splitlines()):5}  {seconds:7.1f}")
+        print(f"{kind:14}  {len((folder / f'{NAME}.cpp').read_text().splitlines()):5}  {seconds:7.1f}")
     return found
 
 
