@@ -1,13 +1,13 @@
 // Axis-aligned boxes of hexahedra.
-#include "mesh/block_generator.hpp"
+#include "block_generator.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "kerf/meshes/grading.hpp"
 #include "kerf/plugin.hpp"
-#include "mesh/grading.hpp"
 
 namespace kerf {
 

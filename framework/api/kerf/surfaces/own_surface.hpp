@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "facet_slabs.hpp"
+#include <kerf/surfaces/facet_slabs.hpp>
 
 namespace kerf::surfaces {
 

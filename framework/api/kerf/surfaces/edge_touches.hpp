@@ -15,8 +15,8 @@
 
 #include <kerf/contact_geometry.hpp>
 
-#include "closing_pairs.hpp"
-#include "facet_slabs.hpp"
+#include <kerf/surfaces/closing_pairs.hpp>
+#include <kerf/surfaces/facet_slabs.hpp>
 
 namespace kerf::surfaces {
 

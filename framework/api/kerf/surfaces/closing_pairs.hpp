@@ -7,8 +7,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "closest_points.hpp"
-#include "facet_slabs.hpp"
+#include <kerf/surfaces/closest_points.hpp>
+#include <kerf/surfaces/facet_slabs.hpp>
 
 namespace kerf::surfaces {
 

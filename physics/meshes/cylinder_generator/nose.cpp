@@ -1,5 +1,5 @@
 // Meridian of the nose of a rod.
-#include "mesh/nose.hpp"
+#include "../nose.hpp"
 
 #include <algorithm>
 #include <cmath>

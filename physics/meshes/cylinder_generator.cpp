@@ -1,5 +1,5 @@
 // Solid rods along z meshed with hexahedra.
-#include "mesh/cylinder_generator.hpp"
+#include "cylinder_generator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "kerf/functions.hpp"
+#include "kerf/meshes/grading.hpp"
 #include "kerf/plugin.hpp"
-#include "mesh/grading.hpp"
 
 namespace kerf {
 
@@ -123,7 +123,7 @@ std::vector<std::string> CylinderGenerator::prepare() {
     n_core = static_cast<int>(cells_along(0.7 * radius, cell_size));
     n_ring = std::max(1, static_cast<int>(cells_along(radius, cell_size)) - n_core);
   }
-  section_ = Section(sector, n_core, n_ring);
+  section_ = ButterflySection(sector, n_core, n_ring);
   const double segment = 2.0 * pi / (8.0 * n_core);
   stretch_ = exact_section ? std::sqrt(segment / kerf::sin(segment)) : 1.0;
   inside_index_.assign(static_cast<std::size_t>(section_.n_core_nodes()), -1);
@@ -179,7 +179,7 @@ CylinderGenerator::Place CylinderGenerator::place(std::int64_t i) const {
   const std::int64_t in_layers = n_layers_ * section_.n_nodes();
   if (i < in_layers) return {i / section_.n_nodes(), section_.name(static_cast<int>(i % section_.n_nodes()))};
   const std::int64_t extra = i - in_layers, n_inside = static_cast<std::int64_t>(inside_core_.size());
-  Section::Node name = section_.name(inside_core_[static_cast<std::size_t>(extra % n_inside)]);
+  ButterflySection::Node name = section_.name(inside_core_[static_cast<std::size_t>(extra % n_inside)]);
   name.k = static_cast<int>(extra / n_inside) + 1;
   return {n_layers_ - 1, name};
 }
@@ -197,7 +197,7 @@ Vec3 CylinderGenerator::node(std::int64_t i) const {
   return cap_point(p.name, height);
 }
 
-Vec3 CylinderGenerator::cap_point(const Section::Node& name, double height) const {
+Vec3 CylinderGenerator::cap_point(const ButterflySection::Node& name, double height) const {
   const Vec3 inner = onto_cap(section_.reference_core(name.i, name.j, height));
   if (name.k == 0) return inner;
   const Vec3 outer = onto_cap(section_.reference_rim(name.i, name.j, height));

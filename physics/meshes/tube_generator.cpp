@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "kerf/functions.hpp"
+#include "kerf/meshes/grading.hpp"
 #include "kerf/mesh.hpp"
 #include "kerf/plugin.hpp"
-#include "mesh/grading.hpp"
 
 namespace kerf {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "kerf/meshes/butterfly_section.hpp"
 #include "kerf/mesh.hpp"
-#include "mesh/nose.hpp"
-#include "mesh/section.hpp"
+#include "nose.hpp"
 
 namespace kerf {
 
@@ -55,7 +55,7 @@ class CylinderGenerator final : public MeshGenerator {
   /// Where a node is: layer and name in the section; the cover's nodes lie on the last layer with k > 0.
   struct Place {
     std::int64_t layer = 0;
-    Section::Node name;
+    ButterflySection::Node name;
   };
 
   bool has_cap() const { return n_layers_ > static_cast<std::int64_t>(planes_.size()); }
@@ -67,11 +67,11 @@ class CylinderGenerator final : public MeshGenerator {
   void lay_planes(double nominal);
   void lay_cap();
   Place place(std::int64_t i) const;
-  Vec3 cap_point(const Section::Node& name, double height) const;
+  Vec3 cap_point(const ButterflySection::Node& name, double height) const;
   Vec3 onto_cap(Vec3 reference) const;
   std::int64_t cover_node(int section_node, int k) const;
 
-  Section section_;
+  ButterflySection section_;
   NoseProfile profile_;
   std::vector<Plane> planes_;
   std::int64_t n_layers_ = 0;  // of nodes: the planes, then the layers of the cap

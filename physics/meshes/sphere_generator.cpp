@@ -1,13 +1,13 @@
 // Solid spheres of hexahedra.
-#include "mesh/sphere_generator.hpp"
+#include "sphere_generator.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "kerf/meshes/grading.hpp"
 #include "kerf/plugin.hpp"
-#include "mesh/grading.hpp"
 
 namespace kerf {
 

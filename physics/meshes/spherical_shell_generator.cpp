@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "kerf/meshes/cubed_sphere.hpp"
 #include "kerf/functions.hpp"
+#include "kerf/meshes/grading.hpp"
 #include "kerf/mesh.hpp"
 #include "kerf/plugin.hpp"
-#include "mesh/cubed_sphere.hpp"
-#include "mesh/grading.hpp"
 
 namespace kerf {
 

@@ -7,7 +7,7 @@
 #include <kerf/contact_geometry.hpp>
 #include <kerf/lanes.hpp>
 
-#include "side_by_side.hpp"
+#include <kerf/surfaces/side_by_side.hpp>
 
 namespace kerf::surfaces {
 

@@ -1,20 +1,110 @@
-// Bodies, axes and surfaces from the gathered model. Runs once, on rank 0; clarity before speed, but n log n.
-#include "geometry.hpp"
+// What measures share: connected bodies of live elements, principal axes, and the surfaces of bodies.
+//
+// A measure uses it with `using namespace kerf::bodies`. What is in the namespaces body_detail and hole_detail may
+// change.
+#pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <unordered_map>
+#include <vector>
 
+#include "kerf/measure.hpp"
 #include "kerf/shape.hpp"
 
-namespace kerf {
-namespace {
+namespace kerf::bodies {
+
+/// What a measure returns where there is nothing to measure.
+inline constexpr double not_measurable = std::numeric_limits<double>::quiet_NaN();
+
+/// A value that cannot be measured, and why.
+inline MeasuredValue unknown(std::string name, std::string reason) {
+  return {std::move(name), not_measurable, std::move(reason)};
+}
+
+/// A length that is not_measurable where no element of the part is left.
+MeasuredValue value_of_remnant(double value, const std::string& part);
+
+/// Why there is nothing to measure on a part that has eroded away.
+std::string nothing_left(const std::string& part);
+
+/// Whether the model still holds a node of a part, and why there is nothing to measure where it does not.
+bool any_node_left(const MeasureModel& model, int part);
+std::string no_node_left(const std::string& part);
+
+/// Number of a part. Throws std::runtime_error naming the measure where there is none of that name.
+int measured_part(const MeasureModel& model, const std::string& part, const Plugin& measure);
+
+/// What makes two elements belong to one body.
+enum class Link { node, face };
+
+/// Numbers of the elements of the heaviest connected body of a part, ascending; empty where none is alive. Of two
+/// equally heavy bodies, the one with the lowest element.
+std::vector<std::int32_t> largest_body(const MeasureModel& model, int part, Link link);
+
+/// Numbers of the nodes of these elements, ascending.
+std::vector<std::int32_t> nodes_of(const MeasureModel& model, const std::vector<std::int32_t>& elements);
+
+Vec3 centroid(const MeasureModel& model, const MeasureModel::Element& element);
+
+/// Direction of the largest second moment of a set of points, and how clearly it is the largest.
+struct LongAxis {
+  Vec3 direction;
+  double rival = 1.0;  // the second largest moment over the largest; 1 where all directions are alike
+
+  /// Whether the body is so much longer than wide that its axis has a meaning. A round rod has a rival of 0.9 where it
+  /// is 0.91 diameters long; a shorter one is a disc.
+  bool clear() const { return rival < 0.9; }
+};
+
+/// Long axis of the mass of the elements in their current positions. With a symmetry normal (not zero), that of the
+/// half body together with its mirror image, looked for in the plane of symmetry.
+LongAxis long_axis(const MeasureModel& model, const std::vector<std::int32_t>& elements, Vec3 symmetry_normal);
+
+/// Long axis of the nodes of a part in their undeformed positions, looked for in the same way.
+LongAxis undeformed_long_axis(const MeasureModel& model, int part, Vec3 symmetry_normal);
+
+/// Where the direction `undeformed` of the undeformed material points to now in a body with these nodes. Zero where
+/// the nodes do not tell.
+Vec3 carried_direction(const MeasureModel& model, const std::vector<std::int32_t>& nodes, Vec3 undeformed);
+
+/// Largest minus smallest current coordinate of nodes along a direction; not_measurable without nodes.
+double extent_along(const MeasureModel& model, const std::vector<std::int32_t>& nodes, Vec3 direction);
+
+/// A vector of length one; zero stays zero.
+Vec3 unit(Vec3 v);
+
+/// The surface of a body as facets that face outwards. Vertices are numbered anew.
+struct BodySurface {
+  std::vector<Vec3> reference, position;  // per vertex
+  std::vector<std::int64_t> label;  // of each vertex: the same for the same node or image of it in every surface
+  std::vector<std::array<std::int32_t, 4>> facets;
+};
+
+/// The outside of the body formed by these elements.
+BodySurface surface_of(const MeasureModel& model, const std::vector<std::int32_t>& elements);
+
+/// The faces of all elements of a part, live or eroded, whose nodes lay within `tolerance` [m] of the plane at `height`
+/// along a direction before anything happened. Pre: no node of the part lies beyond that plane.
+BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 direction, double height, double tolerance);
+
+/// Completes the surface of a body that was modelled on one side of a plane of symmetry. `plane` is 0 or 1 and tells
+/// the images in two planes apart.
+void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point, int plane);
+
+// ---- how it is done
+
+namespace body_detail {
 
 using Facet = std::array<std::int32_t, 4>;
 
-Facet face_of(const MeasureModel::Element& e, int face) {
+inline Facet face_of(const MeasureModel::Element& e, int face) {
   Facet f{};
   for (int k = 0; k < 4; ++k)
     f[static_cast<std::size_t>(k)] = e.nodes[static_cast<std::size_t>(e.shape->face[face][k])];
@@ -48,7 +138,7 @@ struct FaceEntry {
   bool operator<(const FaceEntry& b) const { return key != b.key ? key < b.key : element < b.element; }
 };
 
-std::vector<FaceEntry> sorted_faces(const MeasureModel& model, const std::vector<std::int32_t>& elements) {
+inline std::vector<FaceEntry> sorted_faces(const MeasureModel& model, const std::vector<std::int32_t>& elements) {
   std::vector<FaceEntry> faces;
   faces.reserve(6 * elements.size());
   for (const std::int32_t e : elements) {
@@ -59,13 +149,13 @@ std::vector<FaceEntry> sorted_faces(const MeasureModel& model, const std::vector
   return faces;
 }
 
-void join_through_faces(const MeasureModel& model, const std::vector<std::int32_t>& elements, Groups& groups) {
+inline void join_through_faces(const MeasureModel& model, const std::vector<std::int32_t>& elements, Groups& groups) {
   const std::vector<FaceEntry> faces = sorted_faces(model, elements);
   for (std::size_t i = 1; i < faces.size(); ++i)
     if (faces[i].key == faces[i - 1].key) groups.join(faces[i].element, faces[i - 1].element);
 }
 
-void join_through_nodes(const MeasureModel& model, const std::vector<std::int32_t>& elements, Groups& groups) {
+inline void join_through_nodes(const MeasureModel& model, const std::vector<std::int32_t>& elements, Groups& groups) {
   std::vector<std::int32_t> first(model.nodes.size(), -1);  // an element of each node
   for (const std::int32_t e : elements) {
     for (const std::int32_t n : MeasureModel::nodes_of(model.elements[static_cast<std::size_t>(e)])) {
@@ -80,7 +170,7 @@ void join_through_nodes(const MeasureModel& model, const std::vector<std::int32_
 
 /// Eigenvector of the largest eigenvalue, and the second largest over the largest, by Jacobi rotations (Golub & Van
 /// Loan, Matrix Computations, 8.5).
-LongAxis dominant_direction(SymTensor t) {
+inline LongAxis dominant_direction(SymTensor t) {
   double a[3][3] = {{t.xx, t.xy, t.zx}, {t.xy, t.yy, t.yz}, {t.zx, t.yz, t.zz}};
   double v[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
   for (int sweep = 0; sweep < 30; ++sweep) {
@@ -117,7 +207,7 @@ struct WeightedPoint {
   double weight;
 };
 
-SymTensor second_moment(const std::vector<WeightedPoint>& points) {
+inline SymTensor second_moment(const std::vector<WeightedPoint>& points) {
   double weight = 0.0;
   Vec3 mean;
   for (const WeightedPoint& p : points) {
@@ -133,7 +223,7 @@ SymTensor second_moment(const std::vector<WeightedPoint>& points) {
   return sum;
 }
 
-LongAxis long_axis_of(const std::vector<WeightedPoint>& points, Vec3 symmetry_normal) {
+inline LongAxis long_axis_of(const std::vector<WeightedPoint>& points, Vec3 symmetry_normal) {
   const SymTensor m = second_moment(points);
   const Vec3 s = unit(symmetry_normal);
   if (dot(s, s) == 0.0) return dominant_direction(m);
@@ -172,51 +262,51 @@ class Vertices {
 };
 
 /// Whether a face, by its key, is a line because its element is collapsed there. It bounds nothing.
-bool is_line(const Facet& key) { return key[1] == key[2] || key[0] == key[1]; }
+inline bool is_line(const Facet& key) { return key[1] == key[2] || key[0] == key[1]; }
 
-}  // namespace
+}  // namespace body_detail
 
-Vec3 unit(Vec3 v) {
+inline Vec3 unit(Vec3 v) {
   const double length = norm(v);
   return length > 0.0 ? v * (1.0 / length) : v;
 }
 
-std::string nothing_left(const std::string& part) { return "no element of part " + part + " is left"; }
+inline std::string nothing_left(const std::string& part) { return "no element of part " + part + " is left"; }
 
-bool any_node_left(const MeasureModel& model, int part) {
+inline bool any_node_left(const MeasureModel& model, int part) {
   return std::any_of(model.nodes.begin(), model.nodes.end(),
                      [&](const MeasureModel::Node& n) { return model.belongs_to(n, part) && n.id >= 0; });
 }
 
-std::string no_node_left(const std::string& part) { return "all nodes of part " + part + " have been dropped"; }
+inline std::string no_node_left(const std::string& part) { return "all nodes of part " + part + " have been dropped"; }
 
-MeasuredValue value_of_remnant(double value, const std::string& part) {
+inline MeasuredValue value_of_remnant(double value, const std::string& part) {
   return std::isnan(value) ? unknown("", nothing_left(part)) : MeasuredValue{"", value};
 }
 
-int measured_part(const MeasureModel& model, const std::string& part, const Plugin& measure) {
+inline int measured_part(const MeasureModel& model, const std::string& part, const Plugin& measure) {
   const auto at = std::find(model.parts.begin(), model.parts.end(), part);
   if (at == model.parts.end())
     throw std::runtime_error("measure " + measure.label + ": there is no part named " + part);
   return static_cast<int>(at - model.parts.begin());
 }
 
-Vec3 centroid(const MeasureModel& model, const MeasureModel::Element& element) {
+inline Vec3 centroid(const MeasureModel& model, const MeasureModel::Element& element) {
   Vec3 sum;
   for (const std::int32_t n : MeasureModel::nodes_of(element))
     sum = sum + model.nodes[static_cast<std::size_t>(n)].position;
   return sum * (1.0 / element.shape->n_nodes);
 }
 
-std::vector<std::int32_t> largest_body(const MeasureModel& model, int part, Link link) {
+inline std::vector<std::int32_t> largest_body(const MeasureModel& model, int part, Link link) {
   std::vector<std::int32_t> elements;
   for (std::size_t e = 0; e < model.elements.size(); ++e)
     if (model.elements[e].part == part) elements.push_back(static_cast<std::int32_t>(e));
-  Groups groups(model.elements.size());
+  body_detail::Groups groups(model.elements.size());
   if (link == Link::face)
-    join_through_faces(model, elements, groups);
+    body_detail::join_through_faces(model, elements, groups);
   else
-    join_through_nodes(model, elements, groups);
+    body_detail::join_through_nodes(model, elements, groups);
   std::vector<double> mass(model.elements.size(), 0.0);
   for (const std::int32_t e : elements)
     mass[static_cast<std::size_t>(groups.root(e))] += model.elements[static_cast<std::size_t>(e)].mass;
@@ -227,7 +317,7 @@ std::vector<std::int32_t> largest_body(const MeasureModel& model, int part, Link
   return body;
 }
 
-std::vector<std::int32_t> nodes_of(const MeasureModel& model, const std::vector<std::int32_t>& elements) {
+inline std::vector<std::int32_t> nodes_of(const MeasureModel& model, const std::vector<std::int32_t>& elements) {
   std::vector<std::int32_t> nodes;
   for (const std::int32_t e : elements) {
     const auto& of_element = model.elements[static_cast<std::size_t>(e)].nodes;
@@ -238,23 +328,23 @@ std::vector<std::int32_t> nodes_of(const MeasureModel& model, const std::vector<
   return nodes;
 }
 
-LongAxis long_axis(const MeasureModel& model, const std::vector<std::int32_t>& elements, Vec3 symmetry_normal) {
-  std::vector<WeightedPoint> points;
+inline LongAxis long_axis(const MeasureModel& model, const std::vector<std::int32_t>& elements, Vec3 symmetry_normal) {
+  std::vector<body_detail::WeightedPoint> points;
   for (const std::int32_t i : elements) {
     const MeasureModel::Element& e = model.elements[static_cast<std::size_t>(i)];
     points.push_back({centroid(model, e), e.mass});
   }
-  return long_axis_of(points, symmetry_normal);
+  return body_detail::long_axis_of(points, symmetry_normal);
 }
 
-LongAxis undeformed_long_axis(const MeasureModel& model, int part, Vec3 symmetry_normal) {
-  std::vector<WeightedPoint> points;
+inline LongAxis undeformed_long_axis(const MeasureModel& model, int part, Vec3 symmetry_normal) {
+  std::vector<body_detail::WeightedPoint> points;
   for (const MeasureModel::Node& n : model.nodes)
     if (model.belongs_to(n, part)) points.push_back({n.reference, 1.0});
-  return long_axis_of(points, symmetry_normal);
+  return body_detail::long_axis_of(points, symmetry_normal);
 }
 
-Vec3 carried_direction(const MeasureModel& model, const std::vector<std::int32_t>& nodes, Vec3 undeformed) {
+inline Vec3 carried_direction(const MeasureModel& model, const std::vector<std::int32_t>& nodes, Vec3 undeformed) {
   const auto node = [&](std::int32_t n) -> const MeasureModel::Node& {
     return model.nodes[static_cast<std::size_t>(n)];
   };
@@ -268,7 +358,7 @@ Vec3 carried_direction(const MeasureModel& model, const std::vector<std::int32_t
   return unit(sum);
 }
 
-double extent_along(const MeasureModel& model, const std::vector<std::int32_t>& nodes, Vec3 direction) {
+inline double extent_along(const MeasureModel& model, const std::vector<std::int32_t>& nodes, Vec3 direction) {
   if (nodes.empty()) return not_measurable;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const std::int32_t n : nodes) {
@@ -279,37 +369,39 @@ double extent_along(const MeasureModel& model, const std::vector<std::int32_t>& 
   return high - low;
 }
 
-BodySurface surface_of(const MeasureModel& model, const std::vector<std::int32_t>& elements) {
+inline BodySurface surface_of(const MeasureModel& model, const std::vector<std::int32_t>& elements) {
   BodySurface surface;
-  Vertices vertices(model, surface);
-  const std::vector<FaceEntry> faces = sorted_faces(model, elements);
+  body_detail::Vertices vertices(model, surface);
+  const std::vector<body_detail::FaceEntry> faces = body_detail::sorted_faces(model, elements);
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const Facet& key = faces[i].key;
+    const body_detail::Facet& key = faces[i].key;
     if ((i > 0 && key == faces[i - 1].key) || (i + 1 < faces.size() && key == faces[i + 1].key)) continue;
-    if (is_line(key)) continue;
-    Facet facet = face_of(model.elements[static_cast<std::size_t>(faces[i].element)], faces[i].face);
+    if (body_detail::is_line(key)) continue;
+    body_detail::Facet facet =
+        body_detail::face_of(model.elements[static_cast<std::size_t>(faces[i].element)], faces[i].face);
     for (std::int32_t& n : facet) n = vertices.of(n);
     surface.facets.push_back(facet);
   }
   return surface;
 }
 
-BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 direction, double height, double tolerance) {
+inline BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 direction, double height,
+                                   double tolerance) {
   std::vector<char> in_plane(model.nodes.size(), 0);
   for (std::size_t n = 0; n < model.nodes.size(); ++n)
     in_plane[n] = model.belongs_to(model.nodes[n], part) &&
                   std::fabs(dot(model.nodes[n].reference, direction) - height) <= tolerance;
   BodySurface surface;
-  Vertices vertices(model, surface);
+  body_detail::Vertices vertices(model, surface);
   for (const auto* elements : {&model.elements, &model.eroded})
     for (const MeasureModel::Element& e : *elements) {
       if (e.part != part) continue;
       for (int f = 0; f < e.shape->n_faces; ++f) {
-        Facet facet = face_of(e, f);
+        body_detail::Facet facet = body_detail::face_of(e, f);
         if (!std::all_of(facet.begin(), facet.end(),
                          [&](auto n) { return in_plane[static_cast<std::size_t>(n)] != 0; }))
           continue;
-        if (is_line(face_key(facet))) continue;
+        if (body_detail::is_line(face_key(facet))) continue;
         for (std::int32_t& n : facet) n = vertices.of(n);
         surface.facets.push_back(facet);
       }
@@ -317,10 +409,10 @@ BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 direction,
   return surface;
 }
 
-void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point, int plane) {
+inline void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point, int plane) {
   const Vec3 s = unit(normal);
   const auto height = [&](Vec3 x) { return dot(x - point, s); };
-  // Vertices within a millionth of the body's height above the plane are their own image.
+  // body_detail::Vertices within a millionth of the body's height above the plane are their own image.
   double highest = 0.0;
   for (const Vec3 x : surface.reference) highest = std::max(highest, std::fabs(height(x)));
   const std::size_t n_vertices = surface.reference.size();
@@ -337,9 +429,9 @@ void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point, int plane)
     surface.label.push_back(surface.label[v] ^ (std::int64_t{1} << plane));
   }
   // Facets in the plane lie inside the whole body. An image turns the other way round.
-  std::vector<Facet> facets;
-  for (const Facet& f : surface.facets) {
-    Facet mirrored{};
+  std::vector<body_detail::Facet> facets;
+  for (const body_detail::Facet& f : surface.facets) {
+    body_detail::Facet mirrored{};
     for (std::size_t k = 0; k < 4; ++k) mirrored[3 - k] = image[static_cast<std::size_t>(f[k])];
     if (std::equal(f.begin(), f.end(), mirrored.rbegin())) continue;
     facets.push_back(f);
@@ -348,4 +440,4 @@ void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point, int plane)
   surface.facets = std::move(facets);
 }
 
-}  // namespace kerf
+}  // namespace kerf::bodies

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "side_by_side.hpp"
+#include <kerf/surfaces/side_by_side.hpp>
 
 namespace kerf::surfaces {
 

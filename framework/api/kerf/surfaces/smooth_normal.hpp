@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "facet_slabs.hpp"
+#include <kerf/surfaces/facet_slabs.hpp>
 
 namespace kerf::surfaces {
 
