@@ -106,7 +106,7 @@ def test_built_with_an_installed_kerf_they_compute_the_same(folder, prefix, tmp_
 
 
 def test_the_policy_goes_on_after_a_restart(folder, tmp_path):
-    settings = ("--ranks", 2, "--set", "output.restart_interval=3 us", "--set", "output.restart_at_end=false")
+    settings = ("--ranks", 2, "--set", "output.restart_interval=4 us", "--set", "output.restart_at_end=false")
     whole = run(folder, all_kinds(), tmp_path / "out", *settings)
     resumed = run(folder, all_kinds(), tmp_path / "out", "--resume", *settings)
     assert resumed["state_hash"] == whole["state_hash"]
