@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "kerf/meshes/butterfly_section.hpp"
 #include "kerf/mesh.hpp"
+#include "kerf/meshes/butterfly_section.hpp"
 #include "nose.hpp"
 
 namespace kerf {

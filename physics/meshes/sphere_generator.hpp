@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "kerf/meshes/cubed_sphere.hpp"
 #include "kerf/mesh.hpp"
+#include "kerf/meshes/cubed_sphere.hpp"
 
 namespace kerf {
 

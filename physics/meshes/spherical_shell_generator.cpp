@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "kerf/meshes/cubed_sphere.hpp"
 #include "kerf/functions.hpp"
-#include "kerf/meshes/grading.hpp"
 #include "kerf/mesh.hpp"
+#include "kerf/meshes/cubed_sphere.hpp"
+#include "kerf/meshes/grading.hpp"
 #include "kerf/plugin.hpp"
 
 namespace kerf {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "kerf/functions.hpp"
-#include "kerf/meshes/grading.hpp"
 #include "kerf/mesh.hpp"
+#include "kerf/meshes/grading.hpp"
 #include "kerf/plugin.hpp"
 
 namespace kerf {
