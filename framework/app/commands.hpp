@@ -38,8 +38,8 @@ int list_command(const Registry& registry, const std::string& kind);
 /// `names` is NAME or KIND NAME; "input" names the whole input file, "drive" a drive file.
 int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown);
 int schema_command(const Registry& registry);
-/// Makes the folder NAME, inside of `folder`, with a plugin of the kind, its tests and its pages; where `python` names a
-/// file, with the declarations of its law of that kind.
+/// Makes the folder NAME, inside of `folder`, with a plugin of the kind, its tests and its pages; where `python` names
+/// a file, with the declarations of its law of that kind.
 int new_plugin_command(const Registry& registry, const std::string& kind, const std::string& name,
                        const std::string& folder, const std::string& python);
 int reference_command(const Registry& registry, const std::string& folder);

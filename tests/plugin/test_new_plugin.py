@@ -8,6 +8,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+import yaml
 
 from plugin_case import BUILD, KERF, SOURCE, cached, call
 
@@ -86,6 +87,8 @@ def test_a_new_plugin_has_all_its_files_and_nothing_is_left_to_fill_in(made, kin
         text = (folder / name).read_text()
         assert not re.search(r"@[A-Z_]+@", text), name
         assert "NAME" not in name
+        if name.endswith((".yaml", ".yml")):
+            assert isinstance(yaml.safe_load(text), dict), name
 
 
 @pytest.mark.parametrize("kind", KINDS)
