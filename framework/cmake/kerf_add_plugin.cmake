@@ -1,8 +1,7 @@
-# kerf_add_plugin(FILE.cpp [ENGINE] [LINK target...])
+# kerf_add_plugin(FILE.cpp [LINK target...])
 #
 # In Kerf's own tree: compiles the file against the API headers alone and enters it in the table of built-in plugins.
 # From an installed or built Kerf (find_package(Kerf)): makes a shared library that `kerf run --plugin` loads.
-#   ENGINE  in tree only: the plugin may include the framework as well (mesh generators, boundaries, measures)
 #   LINK    further targets the file needs, for example a partitioning library
 # Where there is a folder of the same name beside the file, every FILE/*.cpp is compiled as well and becomes part of the
 # plugin: for code that is better compiled in several pieces.
@@ -34,7 +33,7 @@ define_property(GLOBAL PROPERTY KERF_PLUGIN_TARGETS BRIEF_DOCS "object libraries
 define_property(GLOBAL PROPERTY KERF_PLUGIN_LINKS BRIEF_DOCS "what the built-in plugins link with")
 
 function(kerf_add_plugin file)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "ENGINE" "" "LINK")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "LINK")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "kerf_add_plugin(${file}): unknown arguments: ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -51,23 +50,20 @@ function(kerf_add_plugin file)
     message(STATUS "Kerf: plugin ${stem} has ${n_pieces} more source files in ${folder}/${stem}/")
   endif()
   if(TARGET kerf_options)
-    kerf_add_builtin_plugin("${path}" "${stem}" "${pieces}" "${arg_ENGINE}" "${arg_LINK}")
+    kerf_add_builtin_plugin("${path}" "${stem}" "${pieces}" "${arg_LINK}")
   else()
     kerf_add_shared_plugin("${path}" "${stem}" "${pieces}" "${arg_LINK}")
   endif()
 endfunction()
 
 # The folder is part of the name: a material and an erosion criterion may well share a file name.
-function(kerf_add_builtin_plugin path stem pieces engine link)
+function(kerf_add_builtin_plugin path stem pieces link)
   cmake_path(GET path PARENT_PATH folder)
   cmake_path(GET folder FILENAME folder)
   string(MAKE_C_IDENTIFIER "${folder}_${stem}" id)
   set(target kerf_plugin_${id})
   add_library(${target} OBJECT "${path}" ${pieces})
   target_link_libraries(${target} PRIVATE kerf_options kerf_api ${link})
-  if(engine)
-    target_link_libraries(${target} PRIVATE kerf_engine_headers)
-  endif()
   target_compile_definitions(${target} PRIVATE KERF_PLUGIN_ENTRY=kerf_register_${id})
   set_property(GLOBAL APPEND PROPERTY KERF_PLUGIN_ENTRIES kerf_register_${id})
   set_property(GLOBAL APPEND PROPERTY KERF_PLUGIN_TARGETS ${target})
@@ -91,18 +87,14 @@ endfunction()
 
 # Adds every file that matches, in a stable order.
 function(kerf_add_plugins)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "ENGINE" "" "FILES;LINK")
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "FILES;LINK")
   set(files)
   if(arg_FILES)
     file(GLOB files CONFIGURE_DEPENDS ${arg_FILES})
     list(SORT files)
   endif()
   foreach(file IN LISTS files)
-    if(arg_ENGINE)
-      kerf_add_plugin("${file}" ENGINE LINK ${arg_LINK})
-    else()
-      kerf_add_plugin("${file}" LINK ${arg_LINK})
-    endif()
+    kerf_add_plugin("${file}" LINK ${arg_LINK})
   endforeach()
 endfunction()
 

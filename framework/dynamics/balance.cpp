@@ -45,8 +45,9 @@ double Balancer::imbalance(const Model& model) {
 bool Balancer::due(const Model& model, const Step& step, double cycles_left) {
   if (model.n_ranks() == 1) return false;
   if (input_.force_interval > 0 && step.cycle % input_.force_interval == 0) return true;
-  const std::int64_t interval = input_.enabled ? input_.policy->check_interval() : 0;
-  return interval > 0 && step.cycle % interval == 0 && ask(model, step, cycles_left);
+  // Once, while all ranks have the same policy: what it is asked later, it is asked on rank 0.
+  if (interval_ < 0) interval_ = input_.enabled ? input_.policy->check_interval() : 0;
+  return interval_ > 0 && step.cycle % interval_ == 0 && ask(model, step, cycles_left);
 }
 
 /// Rank 0 asks, and tells the others.

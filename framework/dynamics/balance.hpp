@@ -37,6 +37,7 @@ class Balancer {
 
   const BalanceInput& input_;
   std::int64_t last_cycle_ = 0;
+  std::int64_t interval_ = -1;  // cycles between two questions; -1 until it is known
   std::vector<BalanceMove> records_;
 };
 

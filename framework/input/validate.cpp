@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/units.hpp"
+#include "input/condition_complaints.hpp"
 #include "input/node_choice.hpp"
 #include "input/output_fields.hpp"
 #include "input/parameter_text.hpp"
@@ -402,7 +403,11 @@ class Validator {
         {"pressure", "Pa"}, {"volume", "m3"}, {"mass", "kg"}, {"internal_energy", "J"}, {"viscous_energy", "J"}};
     for (const Law* law : material.laws())
       for (const StateVariable& v : law->state_variables()) units.emplace(v.name, v.unit);
-    for (const ReadComplaint& complaint : c.complaints(units)) {
+    std::vector<ReadComplaint> complaints = c.complaints(units);
+    if (const auto* conditional = dynamic_cast<const ConditionalLaw*>(&c))
+      for (const VariableCondition& condition : conditional->conditions())
+        for (ReadComplaint& complaint : complaints_about(condition, units)) complaints.push_back(std::move(complaint));
+    for (const ReadComplaint& complaint : complaints) {
       Origin origin = origins_.find(path + "." + complaint.parameter);
       origin.column += complaint.offset;
       diagnostics_.error(origin, complaint.sentence);

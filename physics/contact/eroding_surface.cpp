@@ -10,10 +10,10 @@
 #include <bit>
 #include <span>
 
-#include "closing_pairs.hpp"
-#include "edge_touches.hpp"
-#include "own_surface.hpp"
-#include "smooth_normal.hpp"
+#include <kerf/surfaces/closing_pairs.hpp>
+#include <kerf/surfaces/edge_touches.hpp>
+#include <kerf/surfaces/own_surface.hpp>
+#include <kerf/surfaces/smooth_normal.hpp>
 
 namespace {
 

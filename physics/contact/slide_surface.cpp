@@ -10,9 +10,9 @@
 #include <tuple>
 #include <vector>
 
-#include "closing_pairs.hpp"
-#include "own_surface.hpp"
-#include "smooth_normal.hpp"
+#include <kerf/surfaces/closing_pairs.hpp>
+#include <kerf/surfaces/own_surface.hpp>
+#include <kerf/surfaces/smooth_normal.hpp>
 
 namespace {
 

@@ -1,9 +1,11 @@
 // Extent of a part along an axis, for bodies that stay whole: the Taylor bar's final length.
+#include "kerf/bodies/measured_bodies.hpp"
 #include "kerf/plugin.hpp"
-#include "support/geometry.hpp"
 
 namespace kerf {
 namespace {
+
+using namespace bodies;
 
 class FinalLength final : public Measure {
  public:

@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kerf/bodies/measured_holes.hpp"
 #include "kerf/plugin.hpp"
-#include "support/geometry.hpp"
 
 namespace kerf {
 namespace {
+
+using namespace bodies;
 
 class HoleDiameter final : public Measure {
  public:

@@ -1,12 +1,14 @@
 // Largest distance of a part from an axis, over all of it or in one section: the Taylor bar's mushroom and waist.
 #include <cmath>
 
+#include "kerf/bodies/measured_bodies.hpp"
 #include "kerf/plugin.hpp"
 #include "kerf/shape.hpp"
-#include "support/geometry.hpp"
 
 namespace kerf {
 namespace {
+
+using namespace bodies;
 
 class LargestRadius final : public Measure {
  public:

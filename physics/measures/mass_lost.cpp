@@ -1,9 +1,11 @@
 // Mass that a part has lost to erosion.
+#include "kerf/bodies/measured_bodies.hpp"
 #include "kerf/plugin.hpp"
-#include "support/geometry.hpp"
 
 namespace kerf {
 namespace {
+
+using namespace bodies;
 
 class MassLost final : public Measure {
  public:

@@ -1,9 +1,11 @@
 // Momentum of all nodes of a part, those without live elements included.
+#include "kerf/bodies/measured_bodies.hpp"
 #include "kerf/plugin.hpp"
-#include "support/geometry.hpp"
 
 namespace kerf {
 namespace {
+
+using namespace bodies;
 
 class PartMomentum final : public Measure {
  public:

@@ -1,11 +1,13 @@
 // Length of what is left of a penetrator: the extent of its largest connected body. See doc/theory/measures.md.
 #include <cmath>
 
+#include "kerf/bodies/measured_bodies.hpp"
 #include "kerf/plugin.hpp"
-#include "support/geometry.hpp"
 
 namespace kerf {
 namespace {
+
+using namespace bodies;
 
 class ResidualLength final : public Measure {
  public:

@@ -1,9 +1,11 @@
 // Velocity of what is left of a penetrator: momentum over mass of its largest connected body.
+#include "kerf/bodies/measured_bodies.hpp"
 #include "kerf/plugin.hpp"
-#include "support/geometry.hpp"
 
 namespace kerf {
 namespace {
+
+using namespace bodies;
 
 class ResidualVelocity final : public Measure {
  public:

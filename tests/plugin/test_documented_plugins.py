@@ -13,8 +13,8 @@ NAMES = [re.search(r'^KERF_(\w+)\(\w+, "(\w+)"', example, re.MULTILINE).group(1,
 
 def test_the_page_shows_examples_of_each_kind():
     kinds = [kind for kind, _ in NAMES]
-    assert kinds == ["EOS", "MATERIAL", "MATERIAL", "EOS", "EOS", "SOLID", "EROSION", "CONTACT", "LOAD", "OBSERVER",
-                     "OBSERVER"]
+    assert kinds == ["EOS", "MATERIAL", "MATERIAL", "EOS", "EOS", "SOLID", "EROSION", "CONTACT", "BOUNDARY", "LOAD",
+                     "OBSERVER", "OBSERVER", "MESH", "MEASURE", "BALANCE_POLICY"]
 
 
 @pytest.mark.parametrize("number", range(len(EXAMPLES)), ids=[name for _, name in NAMES])

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from plugin_case import HERE, KERF, build, call
+from plugin_case import HERE, KERF, build, call, compile_library
 
 RATE = 2.0e5  # angular frequency [1/s]
 PERIOD = 2.0 * np.pi / RATE
@@ -97,3 +97,46 @@ def test_a_force_that_is_no_number_stops_the_run_with_a_name(spring, tmp_path, r
 def test_a_force_on_a_copy_is_refused(spring, tmp_path):
     done = run(spring, tmp_path, model(ghosts=True), "--ranks", "2", code=3)
     assert "spring_to_point" in done.stderr and "which it does not own; expected owned nodes only" in done.stderr
+
+
+READER = """
+#include <stdexcept>
+#include <kerf/observer.hpp>
+struct Reader final : kerf::Observer {
+  static void describe(kerf::Schema<Reader>&) {}
+  kerf::ObserverCalls calls() const override {
+    return {.before_forces = true, .after_forces = true, .after_step = true, .forces = true};
+  }
+  void before_forces(kerf::ObservedModel& m) override { before_ = read(m); }
+  void add_forces(kerf::ObservedModel& m, kerf::ObservedForces&) override { last_ = read(m); }
+  void after_forces(kerf::ObservedModel& m) override {
+    if (m.cycle > 1 && read(m) == before_) throw std::runtime_error("the forces have changed no stress");
+  }
+  void after_step(kerf::ObservedModel& m) override {
+    if (read(m) != last_) throw std::runtime_error("the stress has changed behind the forces");
+    ++steps_;
+  }
+  kerf::ObserverReport report(kerf::ObservedModel&) override { return {{{"steps", double(steps_)}}, {}}; }
+
+  /// Stress of all elements, and a velocity that has to be that of the node.
+  static std::vector<double> read(kerf::ObservedModel& m) {
+    for (int i = 0; i < m.nodes.n; ++i)
+      if (m.node_field(i, "velocity").at(0) != m.nodes.v(i).x) throw std::runtime_error("another velocity");
+    return m.field(0, "stress");
+  }
+  std::vector<double> before_, last_;
+  int steps_ = 0;
+};
+KERF_OBSERVER(Reader, "reader", "reads fields wherever it is called")
+"""
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_fields_are_read_by_name_before_and_after_the_forces(tmp_path, ranks):
+    (tmp_path / "reader.cpp").write_text(READER)
+    version = call(KERF, "--version").stdout.split()[1]
+    library = compile_library(tmp_path / "reader.cpp", tmp_path / "reader.so", f'-DKERF_VERSION="{version}"')
+    case = model() | {"time": {"end": "1 us"}, "observers": {"all": {"type": "reader"}},
+                      "boundaries": [{"type": "rigid_wall", "point": [0.012, 0, 0], "normal": [-1, 0, 0]}]}
+    run(library, tmp_path, case, "--ranks", ranks)
+    assert summary(tmp_path)["observers"]["all"]["steps"] == summary(tmp_path)["cycles"] > 5

@@ -24,7 +24,8 @@ def without_comments(text):
 
 
 def present():
-    code = {path.name: without_comments(path.read_text(encoding="utf-8")) for path in sorted(HEADERS.glob("*.hpp"))}
+    code = {path.relative_to(HEADERS).as_posix(): without_comments(path.read_text(encoding="utf-8"))
+            for path in sorted(HEADERS.rglob("*.hpp"))}
     number = re.search(r"interface_version=(\d+);", code["plugin.hpp"]).group(1)
     digest = hashlib.sha256(json.dumps(code, sort_keys=True).encode()).hexdigest()
     return {"interface_version": int(number), "headers": digest}

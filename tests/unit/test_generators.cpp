@@ -12,10 +12,10 @@
 #include <tuple>
 #include <vector>
 
+#include "../../physics/meshes/block_generator.hpp"
+#include "../../physics/meshes/cylinder_generator.hpp"
+#include "kerf/meshes/grading.hpp"
 #include "kerf/shape.hpp"
-#include "mesh/block_generator.hpp"
-#include "mesh/cylinder_generator.hpp"
-#include "mesh/grading.hpp"
 #include "mesh/quality.hpp"
 
 namespace {

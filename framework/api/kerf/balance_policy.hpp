@@ -34,7 +34,8 @@ struct BalanceState {
 /// depend on the decision.
 class BalancePolicy : public Plugin {
  public:
-  /// Cycles between two questions: each costs two messages to all ranks. 0 for a policy that never moves.
+  /// Cycles between two questions: each costs two messages to all ranks. 0 for a policy that never moves. Asked once,
+  /// on all ranks, before the first question and after restore().
   virtual std::int64_t check_interval() const = 0;
   /// Whether to re-balance after this cycle. Asked on rank 0, whose answer all ranks follow. An exception stops the run
   /// on all ranks with the policy's name: throw std::runtime_error with a sentence.

@@ -1,7 +1,7 @@
 // What a law may tell about its use before the first step: what is wrong with its parameters, warnings, energy that it
-// holds back, and fronts that run through its material.
+// holds back, fronts that run through its material, and conditions that the user writes.
 //
-// Each of the four is a class that a law of an element (material, solid, equation of state, erosion criterion) may
+// Each of the five is a class that a law of an element (material, solid, equation of state, erosion criterion) may
 // derive from beside its own base. A law that does not is not asked.
 #pragma once
 
@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "kerf/expression.hpp"
 #include "kerf/math.hpp"
 
 namespace kerf {
@@ -54,6 +55,27 @@ class DensityCheckedLaw {
  public:
   virtual ~DensityCheckedLaw() = default;
   virtual std::vector<ParameterComplaint> complaints(double reference_density) const = 0;  // [kg/m3]
+};
+
+/// What a law knows at every point without another law that keeps it.
+struct KnownVariable {
+  const char* name;
+  const char* unit;
+};
+
+/// A condition that the user writes, of variables of the laws of a material and of what the law knows.
+struct VariableCondition {
+  std::string parameter;  // that declares it
+  const Expression* condition = nullptr;
+  std::vector<KnownVariable> known;
+};
+
+/// An erosion criterion with conditions that the user writes. The engine tells, at their places in the input, which
+/// names are unknown, which dimensions do not fit, and where a condition names no variable.
+class ConditionalLaw {
+ public:
+  virtual ~ConditionalLaw() = default;
+  virtual std::vector<VariableCondition> conditions() const = 0;
 };
 
 /// A law that has something to say about its parameters, or about a part, before a run. `kerf check` and `kerf run`
@@ -104,4 +126,5 @@ class FrontLaw {
 }  // namespace kerf
 
 KERF_SIZES(law_use, KERF_SIZE(LawUse), KERF_SIZE(ParameterComplaint), KERF_SIZE(DensityCheckedLaw),
-           KERF_SIZE(WarningLaw), KERF_SIZE(EnergyHolder), KERF_SIZE(FrontOrigin), KERF_SIZE(FrontLaw))
+           KERF_SIZE(WarningLaw), KERF_SIZE(EnergyHolder), KERF_SIZE(FrontOrigin), KERF_SIZE(FrontLaw),
+           KERF_SIZE(KnownVariable), KERF_SIZE(VariableCondition), KERF_SIZE(ConditionalLaw))
