@@ -9,7 +9,7 @@ from law_models import plugins
 
 # Kinds of plugins that change no hash: test_state_hash.py shows it of partitioners, test_observed_bits.py of observers,
 # and measures only look.
-OTHERS = {"measure", "observer", "partitioner"}
+OTHERS = {"balance_policy", "measure", "observer", "partitioner"}
 RENEW = "after a change of physics on purpose: python tests/regression/stored_hashes.py --renew"
 
 
