@@ -31,8 +31,11 @@ int run_command(const RunOptions& options, Registry& registry);
 int check_command(const RunOptions& options, Registry& registry);
 
 // These need no MPI.
+/// Curves of laws along the paths of a drive file. Where `only_check`, nothing is written, and what has no reference is
+/// refused.
+int drive_command(const RunOptions& options, Registry& registry, bool only_check);
 int list_command(const Registry& registry, const std::string& kind);
-/// `names` is NAME or KIND NAME; "input" names the whole input file.
+/// `names` is NAME or KIND NAME; "input" names the whole input file, "drive" a drive file.
 int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown);
 int schema_command(const Registry& registry);
 int reference_command(const Registry& registry, const std::string& folder);

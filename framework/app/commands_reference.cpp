@@ -64,8 +64,9 @@ int describe_command(const Registry& registry, const std::vector<std::string>& n
   const std::string& name = names.back();
   if (names.size() == 2 && names.front() == "library") return describe_set(registry, read_library(), name, markdown);
   if (names.size() == 1 && name == "input") return show(input_description());
+  if (names.size() == 1 && name == "drive") return show(drive_description());
   std::vector<const Description*> found;
-  std::vector<std::string> all = {"input"}, homonyms;
+  std::vector<std::string> all = {"input", "drive"}, homonyms;
   for (const std::string& kind : registry.kinds()) {
     if (names.size() == 2 && kind != names.front()) continue;
     for (const std::string& candidate : registry.names(kind)) all.push_back(candidate);

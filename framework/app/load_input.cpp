@@ -134,12 +134,17 @@ std::vector<std::string> library_of_root(MPI_Comm comm) {
 
 }  // namespace
 
-void check_before_launch(const RunOptions& options, Registry& registry) {
+std::string read_with_plugins(const RunOptions& options, Registry& registry) {
   std::string failure;
   const std::string bytes = read_file(options.input, failure);
   if (!failure.empty()) throw InputError({failure});
   if (const std::vector<std::string> errors = load_named_plugins(bytes, options, registry); !errors.empty())
     throw InputError(errors);
+  return bytes;
+}
+
+void check_before_launch(const RunOptions& options, Registry& registry) {
+  const std::string bytes = read_with_plugins(options, registry);
   check_enough_elements(*parse(bytes, options, registry, read_text_file, library_folders()), options.input,
                         options.ranks);
   // A rank takes about 20 MB before it holds anything. Under a batch system they may go to several machines.

@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <memory>
+#include <string>
 
 #include "app/commands.hpp"
 #include "input/model_input.hpp"
@@ -13,6 +14,9 @@ namespace kerf {
 /// Rank 0 reads the file, all ranks parse the same bytes. Throws InputError, on all ranks, with every mistake.
 /// Warnings are printed by rank 0. Collective.
 std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options, Registry& registry);
+
+/// The text of the input file; the plugins that it names are loaded. Throws InputError. Without MPI.
+std::string read_with_plugins(const RunOptions& options, Registry& registry);
 
 /// What load_input would refuse on `options.ranks` ranks, found without MPI: mistakes in the input need no mpirun, and
 /// a slip such as --ranks 5000 must not start what the machine cannot hold. Throws InputError.

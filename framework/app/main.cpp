@@ -19,7 +19,7 @@ struct Arguments {
   RunOptions run;
   std::string kind, folder;
   std::vector<std::string> names;
-  bool markdown = false;
+  bool markdown = false, only_check = false;
 };
 
 // One value per option: the default, as many as follow, would swallow the input file.
@@ -34,10 +34,14 @@ CLI::App* add_command(CLI::App& app, Arguments& a, const std::string& name, cons
   return command;
 }
 
-void add_input(CLI::App& command, Arguments& a) {
-  command.add_option("INPUT", a.run.input, "input file")->required()->type_name("");
+void add_file(CLI::App& command, Arguments& a, const std::string& doc) {
+  command.add_option("INPUT", a.run.input, doc)->required()->type_name("");
   add_repeatable(command, "--set", a.run.overrides, "KEY.PATH=VALUE", "replace a value of the input; may be repeated");
   command.add_option("--output", a.run.output, "folder for the results")->type_name("DIR");
+}
+
+void add_input(CLI::App& command, Arguments& a) {
+  add_file(command, a, "input file");
   command.add_option("--ranks", a.run.ranks, "number of MPI ranks")
       ->type_name("N")
       ->check(
@@ -55,14 +59,17 @@ void add_commands(CLI::App& app, Arguments& a) {
   add_input(*run, a);
   run->add_flag("--resume", a.run.resume, "continue from the last restart file in the output folder");
   add_input(*add_command(app, a, "check", "check an input file without running it"), a);
+  CLI::App* drive = add_command(app, a, "drive", "take laws along paths of deformation, one element at a time");
+  add_file(*drive, a, "drive file");
+  drive->add_flag("--check", a.only_check, "compare with the references of the file only, and write nothing");
   add_command(app, a, "list", "list the types that an input can name")
       ->add_option("KIND", a.kind, "only this kind, for example material; library for the sets of the material library")
       ->type_name("");
   CLI::App* describe = add_command(app, a, "describe", "show what a type takes and keeps");
   describe
-      ->add_option(
-          "NAME", a.names,
-          "NAME, or KIND NAME, or input for the whole input file; of a type, or of a set of the material library")
+      ->add_option("NAME", a.names,
+                   "NAME, or KIND NAME, or input for the whole input file, or drive for a drive file; of a type, or of "
+                   "a set of the material library")
       ->required()
       ->expected(1, 2)
       ->type_name("");
@@ -86,6 +93,7 @@ int dispatch(const std::string& command, const Arguments& a, int argc, char** ar
   }
   if (command == "run") return run_command(a.run, registry);
   if (command == "check") return check_command(a.run, registry);
+  if (command == "drive") return drive_command(a.run, registry, a.only_check);
   if (command == "list") return list_command(registry, a.kind);
   if (command == "describe") return describe_command(registry, a.names, a.markdown);
   if (command == "schema") return schema_command(registry);

@@ -200,6 +200,11 @@ class CellPart {
     if (field == PartStore::n_fields) throw std::runtime_error("no state variable " + name);
     return get(field, e, component);
   }
+  void set_variable(const std::string& name, int e, double value) {
+    const auto [field, component] = store_.find_variable(name);
+    if (field == PartStore::n_fields) throw std::runtime_error("no state variable " + name);
+    set(field, e, component, value);
+  }
   /// Whether the last step has judged that an element is to be deleted. It is not.
   bool failed(int e) const { return (judge_->flags[e / lane_width] >> (e % lane_width) & 1u) != 0; }
   double element_mass(int e) const { return get(PartStore::mass, e); }

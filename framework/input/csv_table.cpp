@@ -121,4 +121,32 @@ CsvColumns read_csv_columns(const std::string& text, const std::string& file, co
   return columns;
 }
 
+CsvTable read_csv_table(const std::string& text, const std::string& file, Diagnostics& diagnostics) {
+  const auto name = std::make_shared<const std::string>(file);
+  CsvTable table;
+  const std::vector<Line> lines = lines_of(text);
+  if (lines.size() < 2) {
+    diagnostics.error(Origin{name, 1, 1},
+                      "the file holds no table; expected a heading and at least one line of numbers");
+    return table;
+  }
+  for (const Field& f : fields_of(lines.front().text)) table.headings.emplace_back(f.text);
+  table.n_rows = lines.size() - 1;
+  std::vector<std::vector<double>> values(table.headings.size());
+  for (std::size_t l = 1; l < lines.size(); ++l) {
+    const std::vector<Field> fields = fields_of(lines[l].text);
+    if (fields.size() != table.headings.size()) {
+      diagnostics.error(Origin{name, lines[l].number, 1},
+                        fmt::format("the line has {} field{}; expected {}, as many as the heading", fields.size(),
+                                    fields.size() == 1 ? "" : "s", table.headings.size()));
+      return table;
+    }
+    for (std::size_t c = 0; c < fields.size(); ++c)
+      if (double value = 0.0; parse_number(fields[c].text, value)) values[c].push_back(value);
+  }
+  for (std::size_t c = 0; c < values.size(); ++c)
+    if (values[c].size() == table.n_rows) table.columns[table.headings[c]] = std::move(values[c]);
+  return table;
+}
+
 }  // namespace kerf

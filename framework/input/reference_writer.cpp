@@ -8,6 +8,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "drive/drive_input.hpp"
 #include "input/model_input.hpp"
 #include "input/parameter_text.hpp"
 #include "kerf/measure.hpp"
@@ -127,6 +128,16 @@ const Description& input_description() {
   return described;
 }
 
+const Description& drive_description() {
+  static const Description described = [] {
+    Description d = Schema<DriveInput>::described<DriveInput>();
+    d.name = "drive";
+    d.summary = "the whole file of `kerf drive`";
+    return d;
+  }();
+  return described;
+}
+
 std::string list_text(const Registry& registry, const std::string& kind) {
   std::string text;
   for (const std::string& k : registry.kinds()) {
@@ -192,9 +203,11 @@ void write_reference(const Registry& registry, const std::string& folder, const 
       "values, and the state variables it keeps. Generated from the declarations in the code by `kerf reference`; "
       "changes belong there. On the terminal, `kerf list` and `kerf describe NAME` show the same.\n\n"
       "- [input](input.md): the whole input file\n"
+      "- [drive](drive.md): the whole file of `kerf drive`\n"
       "- [output](output.md): columns, keys, fields and timers that are written\n"
       "- [library](library/README.md): sets of constants of named materials\n";
   write_page((root / "input.md").string(), describe_markdown(input_description()));
+  write_page((root / "drive.md").string(), describe_markdown(drive_description()));
   write_page((root / "output.md").string(), output_page);
   for (const std::string& kind : registry.kinds()) {
     index += fmt::format("\n## {}\n\n", kind);

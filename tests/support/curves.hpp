@@ -1,5 +1,5 @@
-// Checks of laws against the curves of an independent program: which law a file is about, how it is run, and how large
-// its errors may be. A law brings one file in tests/support/curves.
+// Checks against the curves of an independent program that are no path of one element with one law: points and paths of
+// equations of state, sums of criteria, detonation. Paths of laws are the drive files of tests/curves.
 #pragma once
 
 #include <functional>
@@ -42,26 +42,6 @@ class FinerSteps {
 
 /// The family of a file; null where there is none.
 const CurveFamily* family_of(const Oracle& oracle);
-
-/// How a file with a path of deformation is run and judged.
-struct PathCheck {
-  PartLaws laws;
-  int steps = 1000;  // at least so many for the whole path
-  std::map<std::string, std::string> names;  // state variable by column, for columns that are no stress or energy
-  double others = 0.0;  // tolerance of columns that have none of their own
-  std::map<std::string, double> tolerances;  // by column
-  std::map<std::string, double> rms;  // tolerance of the root mean square error, as a further result "rms of COLUMN"
-  std::vector<std::size_t> skipped;  // rows that are not judged
-  std::vector<std::size_t> loose;  // rows judged with `loose_tolerance` only
-  double loose_tolerance = 0.0;
-};
-
-/// One hexahedron without bulk viscosity along the path of the file.
-std::vector<CurveResult> path_results(const Oracle& oracle, PathCheck check);
-
-/// Rows about a reversal of the path: where the plastic strain rate sets in or stops, the row itself, `before` rows
-/// before and `after` rows after it.
-std::vector<std::size_t> rows_at_reversals(const Oracle& oracle, std::size_t before, std::size_t after);
 
 /// Parameters of an equation of state that a file of strength laws names in its parameters: {"type": "gruneisen", ...}
 /// as what PartLaws take. Empty type where the law brings its own pressure.

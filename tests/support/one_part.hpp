@@ -34,6 +34,9 @@ class OwnLaws {
       : own_element_(element ? std::move(element) : make_law<Element>("element", "hex8", laws.element)),
         own_material_(make(laws)) {}
 
+  const MaterialInput& material() const { return own_material_; }
+  Element& element() const { return *own_element_; }
+
  protected:
   std::unique_ptr<Element> own_element_;
   MaterialInput own_material_;

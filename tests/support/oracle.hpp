@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drive/driven_cell.hpp"
 #include "support/one_part.hpp"
 
 namespace kerf::test {
@@ -40,24 +41,8 @@ struct Oracle {
 /// "key: number" with all digits.
 std::string key_and_number(const std::string& key, double value);
 
-/// Moves one hexahedron along the path of a curve: axial strain, shear, equal strains, or a lateral stress that is
-/// kept, for which the lateral strain of every step is solved. `after_step` is told the length of the step, `at_row`
-/// the row of the file that has been reached.
+/// Moves one hexahedron along the path of a curve. `at_row` is told the row of the file that has been reached.
 void drive(const Oracle& oracle, const PartLaws& laws, int steps_per_row,
-           const std::function<void(const OnePart&, double)>& after_step,
-           const std::function<void(const OnePart&, std::size_t)>& at_row);
-
-/// Greatest and root mean square error of one quantity, over the column's greatest value.
-struct CurveError {
-  double most = 0.0, rms = 0.0;
-  std::size_t row = 0;  // of the greatest
-};
-
-/// Errors by column: those of stress, energy, volume and state variables that the law keeps. `names` says which state
-/// variable a column shows; `steps` are those between two rows. Rows in `skipped`, and rows that the file marks as near
-/// a jump, do not count.
-std::map<std::string, CurveError> follow(const Oracle& oracle, const PartLaws& laws, int steps,
-                                         const std::map<std::string, std::string>& names,
-                                         const std::vector<std::size_t>& skipped = {});
+           const std::function<void(const CellPart<double>&, std::size_t)>& at_row);
 
 }  // namespace kerf::test

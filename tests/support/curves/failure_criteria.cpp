@@ -1,4 +1,4 @@
-// Files about criteria of failure: sums along a path without feedback, damage that acts back, softening, and what
+// Files about criteria of failure: sums along a path without feedback, softening, and what
 // becomes of a point that has failed.
 #include <algorithm>
 #include <cmath>
@@ -104,7 +104,7 @@ std::vector<CurveResult> check_path_of_failure(const Oracle& o) {
 
   const PartLaws laws = laws_of_failure(o);
   const int rows = static_cast<int>(o.n_rows()) - 1;
-  drive(o, laws, std::max(4000 / rows, 1), {}, [&](const OnePart& part, std::size_t row) {
+  drive(o, laws, std::max(4000 / rows, 1), [&](const CellPart<double>& part, std::size_t row) {
     for (Shown& s : shown) s.error.see(row, part.variable(s.variable, 0));
     ErosionInputPoint in;
     in.volume_ratio = part.get(PartStore::volume, 0) * laws.density / part.element_mass(0);
@@ -114,45 +114,6 @@ std::vector<CurveResult> check_path_of_failure(const Oracle& o) {
   for (const Shown& s : shown) results.push_back(s.error.result());
   for (const ColumnError& v : volumetric) results.push_back(v.result());
   return results;
-}
-
-// ---- modified Johnson-Cook, with damage that acts back --------------------------------------------------------------
-
-bool is_modified_johnson_cook(const Oracle& o) { return o.law() == "modified_johnson_cook_damage"; }
-
-std::vector<CurveResult> check_modified_johnson_cook(const Oracle& o) {
-  PathCheck c;
-  set_eos(o, c.laws);
-  const std::string temperatures =
-      o.text({{"reference_temperature", "T0"}, {"melting_temperature", "Tm"}, {"reference_rate", "rate0"}});
-  c.laws.strength = "johnson_cook";
-  c.laws.strength_parameters = "{rate_form: power, " + temperatures + ", " +
-                               o.text({{"shear_modulus", "G"},
-                                       {"A", "A"},
-                                       {"B", "B"},
-                                       {"n", "n"},
-                                       {"C", "C"},
-                                       {"m", "m"},
-                                       {"specific_heat", "cp"},
-                                       {"taylor_quinney", "chi"}}) +
-                               "}";
-  c.laws.criteria = {{"modified_johnson_cook_damage",
-                      "{" + temperatures + ", " + list(o.parameters.at("D"), {"D1", "D2", "D3", "D4", "D5"}) + ", " +
-                          o.text({{"critical_damage", "Dc"}, {"threshold_strain", "pd"}}) + "}"}};
-  c.names = {{"r", "effective_plastic_strain"},
-             {"p_accumulated", "damaged_plastic_strain"},
-             {"damage", "damage"},
-             {"temperature_K", "temperature"}};
-  c.steps = 2000;  // the damage acts a step late
-  // physics.md, section 10; stress on the way from elastic to plastic is that of the step's end.
-  c.others = 2e-3;
-  c.tolerances = {{"r", 1e-3}, {"p_accumulated", 1e-3}, {"temperature_K", 1e-3}};
-  // One column is of the stress that matters on the path.
-  Oracle named = o;
-  const char* stress = o.path.at("kind") == "shear" ? "stress_xy_Pa" : "stress_xx_Pa";
-  named.columns[stress] = o.column("stress_xx_or_xy_Pa");
-  named.columns.erase("stress_xx_or_xy_Pa");
-  return path_results(named, c);
 }
 
 // ---- closed forms ---------------------------------------------------------------------------------------------------
@@ -344,8 +305,6 @@ std::vector<CurveResult> check_nonlocal(const Oracle& o) {
 
 const RegisterCurves nonlocal({"non-local average", is_nonlocal, check_nonlocal});
 const RegisterCurves failure({"failure criteria", is_path_of_failure, check_path_of_failure});
-const RegisterCurves modified_johnson_cook({"modified_johnson_cook_damage", is_modified_johnson_cook,
-                                            check_modified_johnson_cook});
 const RegisterCurves gissmo({"ductile_damage", is_gissmo, check_gissmo});
 const RegisterCurves fracture_energy({"softening by fracture energy", is_fracture_energy, check_fracture_energy});
 const RegisterCurves spall({"no_tension", is_spall, check_spall});

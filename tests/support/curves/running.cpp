@@ -12,19 +12,15 @@ namespace kerf::test {
 
 namespace {
 
+/// Greatest error of a quantity along a path.
+struct CurveError {
+  double most = 0.0;
+  std::size_t row = 0;
+};
+
 std::vector<CurveFamily>& families() {
   static std::vector<CurveFamily> all;
   return all;
-}
-
-std::vector<CurveResult> results_of(const std::map<std::string, CurveError>& errors, const PathCheck& check) {
-  std::vector<CurveResult> results;
-  for (const auto& [column, error] : errors) {
-    const bool own = check.tolerances.contains(column);
-    results.push_back({column, error.most, own ? check.tolerances.at(column) : check.others, error.row});
-    if (check.rms.contains(column)) results.push_back({"rms of " + column, error.rms, check.rms.at(column), error.row});
-  }
-  return results;
 }
 
 double step_factor = 1.0;  // see FinerSteps
@@ -46,29 +42,6 @@ const CurveFamily* family_of(const Oracle& oracle) {
   for (const CurveFamily& f : families())
     if (f.fits(oracle)) return &f;
   return nullptr;
-}
-
-std::vector<CurveResult> path_results(const Oracle& oracle, PathCheck check) {
-  check.laws.element = "{linear_viscosity: 0, quadratic_viscosity: 0}";
-  const int steps = per_row(oracle, check.steps);
-  std::vector<std::size_t> not_strict = check.skipped;
-  not_strict.insert(not_strict.end(), check.loose.begin(), check.loose.end());
-  std::vector<CurveResult> results = results_of(follow(oracle, check.laws, steps, check.names, not_strict), check);
-  if (check.loose.empty()) return results;
-  for (const auto& [column, error] : follow(oracle, check.laws, steps, check.names, check.skipped))
-    results.push_back({column + " at reversals", error.most, check.loose_tolerance, error.row});
-  return results;
-}
-
-std::vector<std::size_t> rows_at_reversals(const Oracle& oracle, std::size_t before, std::size_t after) {
-  std::vector<std::size_t> rows;
-  if (!oracle.has("plastic_strain_rate_1_s")) return rows;
-  const std::vector<double>& rate = oracle.column("plastic_strain_rate_1_s");
-  const double least = 1e-2 * *std::max_element(rate.begin(), rate.end());
-  for (std::size_t r = 1; r < rate.size(); ++r)
-    if ((rate[r] > least) != (rate[r - 1] > least))
-      for (std::size_t k = r > before ? r - before : 1; k <= r + after && k < rate.size(); ++k) rows.push_back(k);
-  return rows;
 }
 
 void set_eos(const Oracle& oracle, PartLaws& laws) {
@@ -154,7 +127,7 @@ std::vector<CurveResult> eos_path_results(const Oracle& oracle, const std::strin
       const double wanted = oracle.column(column)[row], error = std::fabs(value - wanted);
       greatest[column] = std::max(greatest[column], std::fabs(wanted));
       if (error <= errors[column].most) return;
-      errors[column] = {error, 0.0, row};
+      errors[column] = {error, row};
     };
     note("pressure_Pa", part.pressure(0));
     note("specific_energy_J_kg", part.get(PartStore::internal_energy, 0) / part.element_mass(0));
