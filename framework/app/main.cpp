@@ -17,6 +17,7 @@ namespace {
 
 struct Arguments {
   RunOptions run;
+  TestPluginOptions test;
   std::string kind, folder;
   std::vector<std::string> names;
   bool markdown = false, only_check = false;
@@ -74,6 +75,13 @@ void add_commands(CLI::App& app, Arguments& a) {
       ->expected(1, 2)
       ->type_name("");
   describe->add_flag("--markdown", a.markdown, "write Markdown");
+  CLI::App* test = add_command(app, a, "test-plugin", "test whether the types of a plugin keep their contracts");
+  test->add_option("LIB", a.test.library, "the plugin's shared library")->type_name("");
+  test->add_flag("--builtin", a.test.builtin, "test the types of Kerf itself");
+  test->add_option("--samples", a.test.samples, "valid parameters of each type, and how it is tested")
+      ->type_name("FILE");
+  test->add_option("--only", a.test.only, "only this type, or all of this kind")->type_name("KIND.NAME");
+  add_repeatable(*test, "--check", a.test.checks, "CHECK", "only this check; may be repeated");
   add_command(app, a, "schema", "print the JSON schema of the input");
   add_command(app, a, "reference", "write the reference manual as Markdown")
       ->add_option("--output", a.folder, "folder to write to")
@@ -96,6 +104,7 @@ int dispatch(const std::string& command, const Arguments& a, int argc, char** ar
   if (command == "drive") return drive_command(a.run, registry, a.only_check);
   if (command == "list") return list_command(registry, a.kind);
   if (command == "describe") return describe_command(registry, a.names, a.markdown);
+  if (command == "test-plugin") return test_plugin_command(a.test, registry);
   if (command == "schema") return schema_command(registry);
   return reference_command(registry, a.folder);
 }
