@@ -58,6 +58,7 @@ class TangentTest {
 
   Worst worst;
   std::string bad_modulus;
+  double most_excess = 0.0;
 
   void run() {
     StretchPath path = path_of(laws_.sample);
@@ -118,7 +119,9 @@ class TangentTest {
     }
   }
   void judge(const char* what, double tangent, double modulus, double stress) {
-    const double over = tangent - (1.0 + slack) * modulus - stress;
+    const double excess = laws_.sample.settings.tangent_excess;
+    const double over = tangent - (1.0 + slack) * excess * modulus - stress;
+    most_excess = std::max(most_excess, (tangent - stress) / modulus);
     if (over > worst.over || !std::isfinite(over)) worst = {tangent, modulus, over, what};
   }
 
@@ -147,8 +150,12 @@ void check_moduli(const Registry& registry, const TypeSample& sample, Verdicts& 
                                 "steps would be too large and the run unstable; return the stiffest tangent",
                                 w.what, w.tangent, w.modulus));
   else
-    out.pass(check, fmt::format("{} states and {} directions: no tangent exceeds what the moduli say",
-                                looks, directions().size()));
+    out.pass(check, fmt::format("{} states and {} directions: no tangent exceeds what the moduli say{}", looks,
+                                directions().size(),
+                                sample.settings.tangent_excess > 1.0
+                                    ? fmt::format(" {:g} times, which the sample allows; the stiffest is {:.2f} times",
+                                                  sample.settings.tangent_excess, test.most_excess)
+                                    : ""));
 }
 
 }  // namespace kerf

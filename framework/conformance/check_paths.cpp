@@ -127,13 +127,13 @@ void check_frame(const SampleLaws& laws, const StretchPath& path, Verdicts& out)
                          still.names[worst], errors[worst], round_off));
 }
 
-/// Floats have 24 bits. A step loses half a unit of stress at most where it adds to it, and some units where it
-/// computes; over the path that adds up to a few units per step, in the worst case.
+/// Floats have 24 bits. A step rounds what it keeps by half a unit at most where it turns it, and once more where it adds
+/// to it: in the worst case, with all of one sign, that adds up to a unit per step.
 void check_floats(const SampleLaws& laws, const StretchPath& path, Verdicts& out) {
   StretchPath turning = path;
   turning.angle = 2.0;
   constexpr int steps = 4 * coarsest;
-  constexpr double allowed = 8.0 * steps * 0x1p-24;
+  constexpr double allowed = steps * 0x1p-24;
   const PathRecord exact = drive_path<double>(laws, turning, steps, moments);
   const PathRecord single = drive_path<float>(laws, turning, steps, moments);
   const std::vector<double> errors = differences(exact, single, true);

@@ -66,6 +66,9 @@ void SampleSettings::describe(Schema<SampleSettings>& s) {
   s.real(&SampleSettings::duration, "duration", "s", positive, "time that a path takes").by_default("20 us");
   s.boolean(&SampleSettings::isotropic, "isotropic", "whether the law is the same in all directions")
       .by_default("true");
+  s.real(&SampleSettings::tangent_excess, "tangent_excess", "-", between(1.0, 2.0),
+         "how much stiffer than its moduli the law may be, where that is a trait of its flow")
+      .by_default("1");
   s.text(&SampleSettings::velocity, "velocity", "velocity with which bodies meet in runs").by_default("200 60 0 m/s");
   s.text_map(&SampleSettings::initial_state, "initial_state", "state variables before a path").optional();
 }

@@ -21,6 +21,7 @@ struct SampleSettings {
   double strain = 0.02, compression = 0.02;  // greatest of the paths [-]
   double duration = 20e-6;  // of the paths [s]
   bool isotropic = true;
+  double tangent_excess = 1.0;  // greatest tangent over what the moduli say
   std::string velocity;  // of the impacts in runs
   std::map<std::string, std::string> initial_state;
   static void describe(Schema<SampleSettings>& s);
