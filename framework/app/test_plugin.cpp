@@ -65,7 +65,6 @@ int test_plugin_command(const TestPluginOptions& o, Registry& registry) {
   options.types = chosen(tested, o.only);
   options.checks = o.checks;
   options.library = o.library;
-  options.sample_required = !o.builtin;
   const Samples samples = o.samples.empty() ? Samples() : Samples(o.samples, registry);
   const Verdicts verdicts = test_types(registry, samples, options);
   fmt::print("{}", table_of(verdicts.rows()));

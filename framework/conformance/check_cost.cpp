@@ -6,10 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <optional>
 #include <random>
 #include <regex>
-#include <set>
+#include <typeinfo>
 
 #include "conformance/checks.hpp"
 #include "conformance/law_block.hpp"
@@ -79,43 +78,60 @@ double median(std::vector<double> v) {
 struct Remark {
   std::string file, text;
   int line = 0;
+  bool missed = false;
+  std::string place() const { return fmt::format("{}:{}", file, line); }
 };
 
-std::vector<Remark> remarks_of(const std::string& path) {
-  std::vector<Remark> all;
+/// What the compiler says of one function.
+struct FunctionRemarks {
+  std::string name;
+  std::vector<Remark> remarks;
+};
+
+std::vector<FunctionRemarks> remarks_of(const std::string& path) {
+  std::vector<FunctionRemarks> all;
   std::ifstream file(path);
   static const std::regex form("(.+):([0-9]+):[0-9]+: (optimized|missed): +(.*)");
   for (std::string line; std::getline(file, line);) {
     std::smatch m;
-    if (std::regex_match(line, m, form)) all.push_back({m[1], m[3].str() + ": " + m[4].str(), std::stoi(m[2])});
+    if (line.starts_with(";; Function")) all.push_back({line, {}});
+    if (!all.empty() && std::regex_match(line, m, form))
+      all.back().remarks.push_back({m[1], m[4], std::stoi(m[2]), m[3] == "missed"});
   }
   return all;
 }
 
-/// Whether the loop over the lanes in the header of a kind was vectorised, by all remarks about it. The header says
-/// itself where the loop begins and ends: from its function of one point to the loop below the pragma.
-std::optional<bool> loop_vectorised(const std::vector<Remark>& remarks, const std::string& kind) {
-  const std::string header = "kerf/" + kind + ".hpp";
-  std::optional<bool> found;
-  for (const Remark& r : remarks) {
-    if (!r.file.ends_with(header)) continue;
-    const bool done = r.text.find("optimized: loop vectorized") == 0;
-    if (!done && r.text.find("missed: couldn't vectorize loop") != 0) continue;
-    found = found.value_or(true) && done;
+/// Whether the function is the one that calls the law of this type for a block of doubles.
+bool is_loop_of(const FunctionRemarks& f, const std::string& mangled_type) {
+  if (f.name.find("I" + mangled_type + "E") == std::string::npos) return false;
+  return f.name.find("6updateE") != std::string::npos || f.name.find("8evaluateE") != std::string::npos ||
+         f.name.find("5judgeE") != std::string::npos || f.name.find("10judge_rowsI") != std::string::npos;
+}
+
+constexpr const char* gives_up = "couldn't vectorize loop";
+
+/// The first loop that was given up in all ways; null where there is none. A loop is tried with registers of several
+/// sizes.
+const Remark* given_up(const FunctionRemarks& f) {
+  for (const Remark& r : f.remarks) {
+    if (!r.missed || r.text != gives_up) continue;
+    const auto done = [&](const Remark& o) {
+      return !o.missed && o.place() == r.place() && o.text.starts_with("loop vectorized");
+    };
+    if (std::none_of(f.remarks.begin(), f.remarks.end(), done)) return &r;
   }
-  return found;
+  return nullptr;
 }
 
 /// The first remark about the author's code that tells why a loop was not vectorised.
-const Remark* first_obstacle(const std::vector<Remark>& remarks, const std::string& origin) {
+const Remark* first_obstacle(const FunctionRemarks& f, const std::string& origin) {
   const std::string folder = std::filesystem::path(origin).parent_path().string();
   const auto is_authors = [&](const Remark& r) {
     return r.file == origin || (!folder.empty() && r.file.starts_with(folder + "/"));
   };
-  for (const char* beginning : {"missed: not vectorized", "missed: statement clobbers", "missed: "})
-    for (const Remark& r : remarks)
-      if (is_authors(r) && r.text.starts_with(beginning) && r.text.find("couldn't vectorize loop") == std::string::npos)
-        return &r;
+  for (const char* beginning : {"not vectorized", "statement clobbers memory", ""})
+    for (const Remark& r : f.remarks)
+      if (r.missed && is_authors(r) && r.text.starts_with(beginning)) return &r;
   return nullptr;
 }
 
@@ -134,31 +150,35 @@ void check_cost(const Registry& registry, const TypeSample& sample, Verdicts& ou
                                median(a) / median(b), other.name, median(b)));
 }
 
-void report_vectorisation(const Description& d, int types_of_its_kind, const std::string& library, Verdicts& out) {
+void report_vectorisation(const Registry& registry, const TypeSample& sample, const std::string& library,
+                          Verdicts& out) {
   const char* check = "vectorised";
-  if (!out.wants(check) || library.empty() || !is_law_kind(d.kind)) return;
+  if (!out.wants(check) || library.empty()) return;
   const std::filesystem::path path(library);
   const std::string report = (path.parent_path() / path.stem()).string() + ".vec.txt";
-  const std::vector<Remark> remarks = remarks_of(report);
-  const std::optional<bool> vectorised = loop_vectorised(remarks, d.kind);
-  const std::string share =
-      types_of_its_kind > 1 ? fmt::format(" (of {} laws of this kind in the library, all that are)", types_of_its_kind)
-                            : "";
-  if (!vectorised) {
-    out.note(check, fmt::format("not known: {} says nothing of the loop over the points; build with kerf_add_plugin() "
-                                "and GCC, which writes this file, or with -fopt-info-vec-optimized-missed=FILE",
-                                report));
+  const std::string origin = registry.find(sample.kind, sample.name)->origin;
+  const auto made = registry.make(sample.kind, sample.name);
+  const Plugin& plugin = *made.plugin;
+  const std::string type = typeid(plugin).name();
+  for (const FunctionRemarks& f : remarks_of(report)) {
+    if (!is_loop_of(f, type)) continue;
+    const Remark* loop = given_up(f);
+    const bool any = std::any_of(f.remarks.begin(), f.remarks.end(), [](const Remark& r) { return !r.missed; });
+    if (!loop && !any) continue;
+    if (!loop) {
+      out.note(check, "the loop over the points is vectorised");
+      return;
+    }
+    const Remark* obstacle = first_obstacle(f, origin);
+    out.note(check, fmt::format("the loop over the points is not vectorised: {}",
+                                obstacle ? fmt::format("{}: {}", obstacle->place(), obstacle->text)
+                                         : fmt::format("{}: {}; {} has all that the compiler says", loop->place(),
+                                                       loop->text, report)));
     return;
   }
-  if (*vectorised) {
-    out.note(check, "the loop over the points is vectorised" + share);
-    return;
-  }
-  const Remark* obstacle = first_obstacle(remarks, d.origin);
-  out.note(check, fmt::format("the loop over the points is not vectorised{}; {}", share,
-                              obstacle ? fmt::format("the first obstacle in your code is {}:{}: {}", obstacle->file,
-                                                     obstacle->line, obstacle->text)
-                                       : "the compiler names no obstacle in your code; " + report + " has all it said"));
+  out.note(check, fmt::format("not known: {} says nothing of a loop over the points of this law; a plugin that is built "
+                              "with kerf_add_plugin() and GCC has this file beside it",
+                              report));
 }
 
 }  // namespace kerf

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <regex>
 
 #include "conformance/checks.hpp"
+#include "conformance/law_block.hpp"
 #include "core/units.hpp"
 
 namespace kerf {
@@ -109,6 +111,7 @@ class RangeTest {
 
   int tried = 0;
   std::vector<std::string> taken;  // "`A` = -1"
+  std::vector<std::string> not_finite;  // "`A` = 0"
   std::vector<std::string> unlimited;
 
   void run(const Description& d) {
@@ -118,10 +121,35 @@ class RangeTest {
       const bool whole = p.kind == ValueKind::integer || p.kind == ValueKind::integers;
       for (const std::string& text : outside(p.range, whole)) expect_refusal(p, text);
       for (const char* text : no_numbers) expect_refusal(p, text);
+      if (p.kind != ValueKind::real || !is_law_kind(sample_.kind)) continue;
+      if (std::isfinite(p.range.low) && !p.range.low_open) expect_finite(p, p.range.low);
+      if (std::isfinite(p.range.high) && !p.range.high_open) expect_finite(p, p.range.high);
     }
   }
 
  private:
+  /// What stands in the range has to be computed, unless a rule refuses it.
+  void expect_finite(const Parameter& p, double value) {
+    TypeSample changed = sample_;
+    set_entry(changed.parameters, p.name, text_node(number_text(value)));
+    std::unique_ptr<SampleLaws> laws;
+    try {
+      laws = std::make_unique<SampleLaws>(registry_, changed);
+    } catch (const InputError&) {
+      return;
+    }
+    const LawPoints points(*laws->law, laws->material.density);
+    std::mt19937 random(13);
+    bool finite = true;
+    for (int round = 0; round < 3; ++round) {
+      LawBlock<double> block = points.random_block<double>(random);
+      points.apply(block);
+      block.each_row(block, [&](auto& row, auto&, const char*) {
+        finite = finite && std::all_of(std::begin(row), std::end(row), [](double v) { return std::isfinite(v); });
+      });
+    }
+    if (!finite) not_finite.push_back(fmt::format("`{}` = {:g}", p.name, value));
+  }
   void expect_refusal(const Parameter& p, const std::string& text) {
     Node parameters = sample_.parameters;
     const Entry* given = sample_.parameters.find(p.name);
@@ -212,6 +240,10 @@ bool check_parameters(const Registry& registry, const TypeSample& sample, Verdic
     out.fail("ranges", fmt::format("taken although outside of the declared range: {}; give the parameter its range in "
                                    "describe()",
                                    fmt::join(test.taken, ", ")));
+  else if (!test.not_finite.empty())
+    out.fail("ranges", fmt::format("the law gives no finite numbers with {}, which the declared range allows; narrow "
+                                   "the range, or write a rule",
+                                   fmt::join(test.not_finite, ", ")));
   else if (!test.unlimited.empty())
     out.note("ranges", fmt::format("{} values outside of ranges, NaN and infinity are refused; any number is taken for "
                                    "{}: is that meant?",

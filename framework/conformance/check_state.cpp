@@ -8,7 +8,7 @@ namespace kerf {
 
 namespace {
 
-constexpr int steps = 200;
+constexpr int steps = 200, cells = 2;  // eight elements: all lanes of a block
 
 using Driver = PathDriver<double>;
 using Records = std::vector<std::vector<double>>;
@@ -29,7 +29,7 @@ void check_restart(const Registry& registry, const TypeSample& sample, Verdicts&
   path.angle = 1.0;
   const double dt = path.duration / steps;
   const SampleLaws first(registry, sample), second(registry, sample);
-  Driver whole(first, path), resumed(second, path);
+  Driver whole(first, path, cells), resumed(second, path, cells);
   whole.go(steps / 2, dt, 0);
   const auto saved = whole.part().save();
   resumed.part().restore(saved);
@@ -44,7 +44,7 @@ void check_restart(const Registry& registry, const TypeSample& sample, Verdicts&
   else
     out.fail("restart", fmt::format("packed after {} steps and unpacked for another law object, {} of {} numbers differ "
                                     "{} steps later; declare everything that the law remembers in its State",
-                                    steps / 2, n, saved.records.front().size(), steps / 2));
+                                    steps / 2, n, saved.records.size() * saved.records.front().size(), steps / 2));
 }
 
 /// Two elements on different paths, step by step in turn, with one law object; and each alone with a law of its own.
@@ -54,7 +54,7 @@ void check_hidden(const Registry& registry, const TypeSample& sample, Verdicts& 
   other.compression *= 1.2;
   const double dt = one.duration / steps;
   const SampleLaws shared(registry, sample);
-  Driver a(shared, one), b(shared, other);
+  Driver a(shared, one, cells), b(shared, other, cells);
   for (int k = 0; k < steps; ++k) {
     a.go(1, dt, 0);
     b.go(1, dt, 0);
@@ -64,12 +64,12 @@ void check_hidden(const Registry& registry, const TypeSample& sample, Verdicts& 
   Driver* together[2] = {&a, &b};
   for (int k = 0; k < 2; ++k) {
     const SampleLaws own(registry, sample);
-    Driver alone(own, *paths[k]);
+    Driver alone(own, *paths[k], cells);
     for (int i = 0; i < steps; ++i) alone.go(1, dt, 0);
     n += n_different(records_of(*together[k]), records_of(alone));
   }
   // Once more with the law that has worked before.
-  Driver again(shared, one);
+  Driver again(shared, one, cells);
   for (int i = 0; i < steps; ++i) again.go(1, dt, 0);
   n += n_different(records_of(a), records_of(again));
   if (n == 0)

@@ -29,7 +29,8 @@ void check_state(const Registry& registry, const TypeSample& sample, Verdicts& o
 /// "cost".
 void check_cost(const Registry& registry, const TypeSample& sample, Verdicts& out);
 /// "vectorised". `library` is empty for what is built in.
-void report_vectorisation(const Description& d, int types_of_its_kind, const std::string& library, Verdicts& out);
+void report_vectorisation(const Registry& registry, const TypeSample& sample, const std::string& library,
+                          Verdicts& out);
 
 /// "mesh": volumes, numbering, faces.
 void check_mesh(const Registry& registry, const TypeSample& sample, Verdicts& out);

@@ -73,6 +73,7 @@ ChildRun run_child(const std::string& input, const std::string& folder, const st
   all.insert(all.end(), words.begin(), words.end());
   run.code = run_program(all, folder + ".log", seconds);
   if (run.code != 0) run.errors = errors_in(folder + ".log");
+  if (run.code == 128 + SIGSEGV) run.errors = "it reads or writes memory that is not its own";
   std::ifstream summary(folder + "/summary.json");
   if (summary) run.summary = nlohmann::json::parse(summary, nullptr, false);
   return run;

@@ -14,7 +14,6 @@ struct ConformanceOptions {
   std::vector<std::pair<std::string, std::string>> types;  // kind and name
   std::vector<std::string> checks;  // wanted; all where empty
   std::string library;  // where the types are from; empty for what is built in
-  bool sample_required = true;  // a type without a sample fails
 };
 
 /// The names of all checks, for --check.

@@ -95,16 +95,16 @@ void set_initial_state(CellPart<Real>& part, const SampleLaws& laws) {
       throw std::runtime_error(fmt::format("initial_state: {} keeps no variable \"{}\"", laws.sample.type(), name));
     const Quantity value = to_si(text, found->unit);
     if (!value.ok()) throw std::runtime_error(fmt::format("initial_state: `{}`: {}", name, value.error));
-    part.set_variable(name, 0, value.value);
+    for (int e = 0; e < part.n_elements(); ++e) part.set_variable(name, e, value.value);
   }
 }
 
 template <class Real>
-PathDriver<Real>::PathDriver(const SampleLaws& laws, const StretchPath& path)
+PathDriver<Real>::PathDriver(const SampleLaws& laws, const StretchPath& path, int cells)
     : laws_(laws),
       path_(path),
       mesh_([&] {
-        CellMesh mesh = distorted_block(1, 1, 1, edge, 0.0, 1);
+        CellMesh mesh = distorted_block(cells, cells, cells, edge / cells, 0.0, 1);
         for (Vec3& x : mesh.x) x = turned(path.turn(0.0), x);
         return mesh;
       }()),

@@ -31,12 +31,12 @@ struct PathRecord {
   std::vector<std::vector<double>> rows;
 };
 
-/// Takes one element along a path, beginning with `part` as it was initialised. The nodes of the reference are turned
-/// by the path's first rotation.
+/// Takes one element, or a cube of them with `cells` along each edge, along a path. The nodes of the reference are
+/// turned by the path's first rotation.
 template <class Real>
 class PathDriver {
  public:
-  PathDriver(const SampleLaws& laws, const StretchPath& path);
+  PathDriver(const SampleLaws& laws, const StretchPath& path, int cells = 1);
   /// Goes on by `steps` steps of `dt`; `moments` > 0 records so many rows.
   PathRecord go(int steps, double dt, int moments);
   CellPart<Real>& part() { return part_; }
