@@ -40,8 +40,8 @@ void expect_known(const std::vector<std::string>& checks) {
   const std::vector<std::string>& all = conformance_checks();
   for (const std::string& check : checks)
     if (std::find(all.begin(), all.end(), check) == all.end())
-      throw InputError({fmt::format("--check {}: error: there is no such check; expected one of {}", check,
-                                    fmt::join(all, ", "))});
+      throw InputError(
+          {fmt::format("--check {}: error: there is no such check; expected one of {}", check, fmt::join(all, ", "))});
 }
 
 }  // namespace
@@ -66,6 +66,7 @@ int test_plugin_command(const TestPluginOptions& o, Registry& registry) {
   options.checks = o.checks;
   options.library = o.library;
   const Samples samples = o.samples.empty() ? Samples() : Samples(o.samples, registry);
+  print_warnings(samples.warnings());
   const Verdicts verdicts = test_types(registry, samples, options);
   fmt::print("{}", table_of(verdicts.rows()));
   return verdicts.all_pass() ? exit_done : exit_other;

@@ -176,9 +176,10 @@ void report_vectorisation(const Registry& registry, const TypeSample& sample, co
                                                        loop->text, report)));
     return;
   }
-  out.note(check, fmt::format("not known: {} says nothing of a loop over the points of this law; a plugin that is built "
-                              "with kerf_add_plugin() and GCC has this file beside it",
-                              report));
+  out.note(check,
+           fmt::format("not known: {} says nothing of a loop over the points of this law; a plugin that is built "
+                       "with kerf_add_plugin() and GCC has this file beside it",
+                       report));
 }
 
 }  // namespace kerf

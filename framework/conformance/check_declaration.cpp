@@ -45,9 +45,10 @@ bool has_unit(const Parameter& p) {
 void look_at_names_and_units(const Description& d, std::vector<std::string>& faults) {
   const auto unit = [&](const std::string& what, const std::string& text) {
     if (!unit_in_base(text))
-      faults.push_back(fmt::format("the unit \"{}\" of {} is not known to UDUNITS, or begins at another zero; write "
-                                   "an SI unit, \"-\" for none",
-                                   text, what));
+      faults.push_back(
+          fmt::format("the unit \"{}\" of {} is not known to UDUNITS, or begins at another zero; write "
+                      "an SI unit, \"-\" for none",
+                      text, what));
   };
   for (const Parameter& p : d.parameters) {
     if (!is_parameter_name(p.name)) faults.push_back(fmt::format("the parameter `{}` is not in snake_case", p.name));
@@ -93,7 +94,7 @@ Node with_number(const Parameter& p, const std::string& bad, const Node* sample)
   if (p.kind == ValueKind::real || p.kind == ValueKind::integer) return text_node(bad);
   Node list;
   list.kind = Node::Kind::list;
-  const std::size_t n = p.kind == ValueKind::vector            ? 3
+  const std::size_t n = p.kind == ValueKind::vector           ? 3
                         : sample && sample->items.size() > 1U ? sample->items.size()
                                                               : 1;
   for (std::size_t i = 0; i < n; ++i) list.items.push_back(text_node(i + 1 == n ? bad : "0"));
@@ -206,8 +207,8 @@ void check_documentation(const Description& d, Verdicts& out) {
   }
   bool can_be_read = false;
   const bool source = names_a_source(d, can_be_read);
-  out.pass(check, fmt::format("{} parameters and {} state variables have texts, units and names{}",
-                              d.parameters.size(), d.state.size(),
+  out.pass(check, fmt::format("{} parameters and {} state variables have texts, units and names{}", d.parameters.size(),
+                              d.state.size(),
                               source || !can_be_read || !is_law_kind(d.kind)
                                   ? ""
                                   : "; its source file names no paper: say in its first lines where the formulas are "

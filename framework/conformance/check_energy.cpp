@@ -31,17 +31,14 @@ std::vector<Cycle> cycles_of(double strain, double compression, bool volume_only
                             {"expansion, compression and back", {none, negative(pressed), pressed, none}},
                             {"compression, expansion and back", {none, pressed, negative(pressed), none}}};
   if (volume_only) return all;
-  all.insert(all.end(), {{"tension, compression along an axis and back", {none, tension, negative(tension), none}},
-                         {"shear to and fro", {none, shear, negative(shear), none}},
-                         {"shear, then tension, out of shear, out of tension",
-                          {none, shear, shear + tension, tension, none}},
-                         {"tension, then shear, out of tension, out of shear",
-                          {none, tension, shear + tension, shear, none}},
-                         {"compression, then shear, expansion, out of shear",
-                          {none, pressed, pressed + shear, shear, none}},
-                         {"shear, then compression, out of shear, expansion",
-                          {none, shear, pressed + shear, pressed, none}},
-                         {"two shears, one after the other", {none, shear, shear + other, other, none}}});
+  all.insert(all.end(),
+             {{"tension, compression along an axis and back", {none, tension, negative(tension), none}},
+              {"shear to and fro", {none, shear, negative(shear), none}},
+              {"shear, then tension, out of shear, out of tension", {none, shear, shear + tension, tension, none}},
+              {"tension, then shear, out of tension, out of shear", {none, tension, shear + tension, shear, none}},
+              {"compression, then shear, expansion, out of shear", {none, pressed, pressed + shear, shear, none}},
+              {"shear, then compression, out of shear, expansion", {none, shear, pressed + shear, pressed, none}},
+              {"two shears, one after the other", {none, shear, shear + other, other, none}}});
   return all;
 }
 

@@ -37,9 +37,10 @@ std::string fault_of(const MeshGenerator& mesh) {
     if (static_cast<int>(distinct.size()) != shape.n_nodes) return fmt::format("element {} has a node twice", e);
     const double volume = volume_by_divergence(cell, corners);
     if (!(volume > 0.0) || !std::isfinite(volume))
-      return fmt::format("element {} has the volume {:.4g} m3 within its faces; list its nodes in the order of the shape "
-                         "{}",
-                         e, volume, shape.name);
+      return fmt::format(
+          "element {} has the volume {:.4g} m3 within its faces; list its nodes in the order of the shape "
+          "{}",
+          e, volume, shape.name);
   }
   const auto unused = std::find(used.begin(), used.end(), 0);
   if (unused != used.end()) return fmt::format("node {} is in no element", unused - used.begin());
@@ -79,9 +80,10 @@ std::string face_fault(const MeshGenerator& mesh) {
     for (std::int64_t n = 0; n < mesh.n_nodes(); ++n) nodes += mesh.on_face(n, face);
     if (nodes > 0 && facets == 0) return fmt::format("no facet of the surface lies on its face \"{}\"", names[f]);
     if (nodes != static_cast<std::int64_t>(of_facets.size()))
-      return fmt::format("its face \"{}\" has {} nodes, but its facets on the surface have {}; on_face() has to be true "
-                         "for the nodes of the face and no others",
-                         names[f], nodes, of_facets.size());
+      return fmt::format(
+          "its face \"{}\" has {} nodes, but its facets on the surface have {}; on_face() has to be true "
+          "for the nodes of the face and no others",
+          names[f], nodes, of_facets.size());
   }
   return "";
 }
@@ -104,7 +106,8 @@ void check_mesh(const Registry& registry, const TypeSample& sample, Verdicts& ou
   const char* check = "mesh";
   if (!out.wants(check)) return;
   try {
-    const auto one = make_sample(registry, sample, sample.parameters), two = make_sample(registry, sample, sample.parameters);
+    const auto one = make_sample(registry, sample, sample.parameters),
+               two = make_sample(registry, sample, sample.parameters);
     auto& mesh = dynamic_cast<MeshGenerator&>(*one);
     auto& again = dynamic_cast<MeshGenerator&>(*two);
     for (MeshGenerator* m : {&mesh, &again})

@@ -23,9 +23,9 @@ struct Direction {
 
 std::vector<Direction> directions() {
   const double a = std::sqrt(0.5), b = std::sqrt(1.0 / 3.0);
-  return {{{1, 0, 0}, {}},          {{0, 1, 0}, {}},          {{0, 0, 1}, {}},           {{a, a, 0}, {}},
-          {{b, b, b}, {}},          {{1, 0, 0}, {0, 1, 0}},   {{0, 1, 0}, {0, 0, 1}},    {{0, 0, 1}, {1, 0, 0}},
-          {{a, a, 0}, {a, -a, 0}},  {{a, 0, a}, {0, 1, 0}}};
+  return {{{1, 0, 0}, {}},         {{0, 1, 0}, {}},        {{0, 0, 1}, {}},        {{a, a, 0}, {}},
+          {{b, b, b}, {}},         {{1, 0, 0}, {0, 1, 0}}, {{0, 1, 0}, {0, 0, 1}}, {{0, 0, 1}, {1, 0, 0}},
+          {{a, a, 0}, {a, -a, 0}}, {{a, 0, a}, {0, 1, 0}}};
 }
 
 /// A strain of size `e` in the direction, as a deformation of what there is.
@@ -77,8 +77,8 @@ class TangentTest {
  private:
   void note_moduli(double time) {
     if (bad_modulus.empty() && !(seen_.shear >= 0.0 && seen_.bulk >= 0.0 && std::isfinite(seen_.shear + seen_.bulk)))
-      bad_modulus = fmt::format("shear modulus {:.4g} Pa, bulk modulus {:.4g} Pa at {:.3g} s", seen_.shear, seen_.bulk,
-                                time);
+      bad_modulus =
+          fmt::format("shear modulus {:.4g} Pa, bulk modulus {:.4g} Pa at {:.3g} s", seen_.shear, seen_.bulk, time);
   }
 
   struct Answer {

@@ -73,12 +73,12 @@ void check_convergence(const SampleLaws& laws, const StretchPath& path, Verdicts
     out.pass("convergence", fmt::format("halved steps converge with order {:.2f} or more, {} last; stated is {:g}",
                                         worst.order, exact.names[worst.quantity], order));
   else
-    out.fail("convergence",
-             fmt::format("`{}` converges with order {:.2f}, stated is {:g}: its mean errors with {} steps and twice as "
-                         "many each time are {} of its greatest size; integrate the rate over the whole of `dt`, or "
-                         "state the order as `conformance: {{order: ...}}` in the sample",
-                         exact.names[worst.quantity], worst.order, order, coarsest,
-                         errors_text(errors, worst.quantity)));
+    out.fail(
+        "convergence",
+        fmt::format("`{}` converges with order {:.2f}, stated is {:g}: its mean errors with {} steps and twice as "
+                    "many each time are {} of its greatest size; integrate the rate over the whole of `dt`, or "
+                    "state the order as `conformance: {{order: ...}}` in the sample",
+                    exact.names[worst.quantity], worst.order, order, coarsest, errors_text(errors, worst.quantity)));
 }
 
 void check_objectivity(const SampleLaws& laws, const StretchPath& path, Verdicts& out) {
@@ -99,12 +99,12 @@ void check_objectivity(const SampleLaws& laws, const StretchPath& path, Verdicts
                                         "more of the step, to {:.1e} in {}",
                                         worst.order, worst.finest, still.names[worst.quantity]));
   else
-    out.fail("objectivity",
-             fmt::format("a rotation by 2 rad during the path changes `{}`, by {} of its greatest size with {} steps and "
-                         "twice as many each time, which falls with order {:.2f}; expected {:g}: use no direction that "
-                         "is fixed in space, and keep tensors as SymTensor, which the element rotates",
-                         still.names[worst.quantity], errors_text(errors, worst.quantity), coarsest, worst.order,
-                         order));
+    out.fail(
+        "objectivity",
+        fmt::format("a rotation by 2 rad during the path changes `{}`, by {} of its greatest size with {} steps and "
+                    "twice as many each time, which falls with order {:.2f}; expected {:g}: use no direction that "
+                    "is fixed in space, and keep tensors as SymTensor, which the element rotates",
+                    still.names[worst.quantity], errors_text(errors, worst.quantity), coarsest, worst.order, order));
 }
 
 void check_frame(const SampleLaws& laws, const StretchPath& path, Verdicts& out) {
@@ -120,15 +120,16 @@ void check_frame(const SampleLaws& laws, const StretchPath& path, Verdicts& out)
   if (errors[worst] <= round_off)
     out.pass("rotated_path", fmt::format("body and path turned by 1.1 rad give the same to {:.0e}", errors[worst]));
   else
-    out.fail("rotated_path",
-             fmt::format("body and path turned by 1.1 rad change `{}` by {:.2e} of its greatest size, expected round-off "
-                         "({:.0e}): the law prefers a direction in space; write it in invariants and tensors, or say "
-                         "`conformance: {{isotropic: false}}` in the sample",
-                         still.names[worst], errors[worst], round_off));
+    out.fail(
+        "rotated_path",
+        fmt::format("body and path turned by 1.1 rad change `{}` by {:.2e} of its greatest size, expected round-off "
+                    "({:.0e}): the law prefers a direction in space; write it in invariants and tensors, or say "
+                    "`conformance: {{isotropic: false}}` in the sample",
+                    still.names[worst], errors[worst], round_off));
 }
 
-/// Floats have 24 bits. A step rounds what it keeps by half a unit at most where it turns it, and once more where it adds
-/// to it: in the worst case, with all of one sign, that adds up to a unit per step.
+/// Floats have 24 bits. A step rounds what it keeps by half a unit at most where it turns it, and once more where it
+/// adds to it: in the worst case, with all of one sign, that adds up to a unit per step.
 void check_floats(const SampleLaws& laws, const StretchPath& path, Verdicts& out) {
   StretchPath turning = path;
   turning.angle = 2.0;

@@ -28,7 +28,9 @@ std::string difference_of(const ChildRun& a, const ChildRun& b) {
   std::vector<std::string> keys;
   for (const char* key : {"cycles", "state_hash", "energy", "eroded", "momentum", "mass", "parts", "measures",
                           "not_measured", "observers"}) {
-    const auto of = [&](const ChildRun& r) { return r.summary.is_object() ? r.summary.value(key, nlohmann::json()) : nlohmann::json(); };
+    const auto of = [&](const ChildRun& r) {
+      return r.summary.is_object() ? r.summary.value(key, nlohmann::json()) : nlohmann::json();
+    };
     if (of(a) != of(b)) keys.emplace_back(key);
   }
   return fmt::format("{}", fmt::join(keys, ", "));
@@ -60,7 +62,7 @@ RunFindings run_input(const std::string& input, const RunPlace& place, const std
       f.failed = fmt::format("`kerf run {}` ends with exit code {}: {}", fmt::join(words, " "), run.code, run.errors);
     return run;
   };
-  const ChildRun whole = go("one", {"--ranks", "1"});
+  ChildRun whole = go("one", {"--ranks", "1"});
   if (!f.failed.empty()) return f;
   f.n_cycles = whole.summary.value("cycles", std::int64_t{0});
   f.eroded = whole.summary["eroded"].value("elements", std::int64_t{0});
@@ -73,6 +75,9 @@ RunFindings run_input(const std::string& input, const RunPlace& place, const std
     words.insert(words.end(), with_restart.begin(), with_restart.end());
     return words;
   };
+  // Tables of observers are compared byte by byte, and restart files change how they lie in their file.
+  if (std::filesystem::exists(whole.folder + "/history.h5")) whole = go("1", on("1"));
+  if (!f.failed.empty()) return f;
   for (const char* ranks : {"2", "3"}) {
     const ChildRun other = go(ranks, on(ranks));
     if (!f.failed.empty()) return f;
@@ -81,18 +86,20 @@ RunFindings run_input(const std::string& input, const RunPlace& place, const std
     if (d.empty() && text_of_file(whole.folder + "/history.h5") != text_of_file(other.folder + "/history.h5"))
       d = "history.h5";
     if (!d.empty() && f.migration.empty())
-      f.migration = fmt::format("a run on {} ranks, between which elements move every few cycles, and one on a single "
-                                "rank differ in {}",
-                                ranks, d);
+      f.migration = fmt::format(
+          "a run on {} ranks, between which elements move every few cycles, and one on a single "
+          "rank differ in {}",
+          ranks, d);
   }
   std::vector<std::string> words = on("2");
   words.emplace_back("--resume");
   const ChildRun resumed = go("3", words);
   if (!f.failed.empty()) return f;
   if (const std::string d = difference_of(whole, resumed); !d.empty())
-    f.restart = fmt::format("a run that 2 ranks take up half-way from the restart file of 3, and one that goes through "
-                            "differ in {}",
-                            d);
+    f.restart = fmt::format(
+        "a run that 2 ranks take up half-way from the restart file of 3, and one that goes through "
+        "differ in {}",
+        d);
   return f;
 }
 
@@ -105,13 +112,15 @@ void tell(const RunFindings& f, Verdicts& out) {
     out.pass("migration", fmt::format("1, 2 and 3 ranks give the same bits in {} cycles; {} elements moved, {} eroded",
                                       f.n_cycles, f.moved, f.eroded));
   else
-    out.fail("migration", f.migration + "; all that an element remembers has to be declared, sums over elements have "
-                                        "to be those of the framework, and ties broken by global number");
+    out.fail("migration", f.migration +
+                              "; all that an element remembers has to be declared, sums over elements have "
+                              "to be those of the framework, and ties broken by global number");
   if (f.restart.empty())
     out.pass("run_restart", "taken up half-way by another number of ranks: the same bits");
   else
-    out.fail("run_restart", f.restart + "; what is kept has to be declared as state, or handed out by state() and "
-                                        "taken back by restore()");
+    out.fail("run_restart", f.restart +
+                                "; what is kept has to be declared as state, or handed out by state() and "
+                                "taken back by restore()");
 }
 
 // ---- inputs made of samples
@@ -123,9 +132,10 @@ Node number_list(std::initializer_list<double> values, const char* unit) {
 Node start_of_model() {
   // Elements move between ranks often, whether or not that pays. Samples are no engineering: an explosive may well send
   // parts flying.
-  return tree_of(fmt::format("{{time: {{end: 1 ms, maximum_cycles: {}}}, balance: {{force_interval: 7}}, "
-                             "checks: {{energy_growth: 1.0e6, let_go: 1.0}}}}",
-                             cycles));
+  return tree_of(
+      fmt::format("{{time: {{end: 1 ms, maximum_cycles: {}}}, balance: {{force_interval: 7}}, "
+                  "checks: {{energy_growth: 1.0e6, let_go: 1.0}}}}",
+                  cycles));
 }
 
 Node bar(const std::string& material, const std::string& velocity, double x, double y, int rows) {
@@ -227,7 +237,8 @@ void run_laws(const std::vector<const TypeSample*>& laws, const RunPlace& place,
   // All in one model, which is quick; where something differs, one after the other, to name the law.
   RunFindings together;
   if (laws.size() > 1) together = run_input(write_model(impacts_of_laws(laws), place, "laws"), place, "laws", {});
-  const bool good = laws.size() > 1 && together.failed.empty() && together.migration.empty() && together.restart.empty();
+  const bool good =
+      laws.size() > 1 && together.failed.empty() && together.migration.empty() && together.restart.empty();
   for (const TypeSample* s : laws) {
     out.begin(s->type());
     if (good) {

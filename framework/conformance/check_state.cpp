@@ -42,9 +42,10 @@ void check_restart(const Registry& registry, const TypeSample& sample, Verdicts&
                                     "same bits",
                                     steps / 2));
   else
-    out.fail("restart", fmt::format("packed after {} steps and unpacked for another law object, {} of {} numbers differ "
-                                    "{} steps later; declare everything that the law remembers in its State",
-                                    steps / 2, n, saved.records.size() * saved.records.front().size(), steps / 2));
+    out.fail("restart",
+             fmt::format("packed after {} steps and unpacked for another law object, {} of {} numbers differ "
+                         "{} steps later; declare everything that the law remembers in its State",
+                         steps / 2, n, saved.records.size() * saved.records.front().size(), steps / 2));
 }
 
 /// Two elements on different paths, step by step in turn, with one law object; and each alone with a law of its own.

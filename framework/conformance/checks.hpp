@@ -44,8 +44,7 @@ struct RunPlace {
 void check_runs(const Registry& registry, const std::vector<const TypeSample*>& samples, const RunPlace& place,
                 Verdicts& out);
 /// The same with a whole input, which shows what `types` do; each gets its rows.
-void check_input(const std::vector<std::string>& types, const std::string& input, const RunPlace& place,
-                 Verdicts& out);
+void check_input(const std::vector<std::string>& types, const std::string& input, const RunPlace& place, Verdicts& out);
 
 /// The sentence of an exception, with the place of a law error left out.
 std::string sentence_of(const std::exception& e);

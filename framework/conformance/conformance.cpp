@@ -35,9 +35,9 @@ class TemporaryFolder {
 
 void check_law(const Registry& registry, const TypeSample& sample, Verdicts& out) {
   using Check = void (*)(const Registry&, const TypeSample&, Verdicts&);
-  const std::pair<const char*, Check> checks[] = {
-      {"lanes", check_blocks}, {"convergence", check_paths},   {"energy", check_energy},
-      {"moduli", check_moduli}, {"hidden_state", check_state}, {"cost", check_cost}};
+  const std::pair<const char*, Check> checks[] = {{"lanes", check_blocks},       {"convergence", check_paths},
+                                                  {"energy", check_energy},      {"moduli", check_moduli},
+                                                  {"hidden_state", check_state}, {"cost", check_cost}};
   for (const auto& [name, check] : checks) try {
       check(registry, sample, out);
     } catch (const std::exception& e) {
@@ -75,8 +75,7 @@ class Tester {
     const std::string input = samples_.input(kind, name);
     if (!input.empty()) inputs_[input].push_back(kind + "." + name);
     if (!sample) {
-      if (input.empty())
-        out_.fail("sample", fmt::format("it has no sample; {}", what_a_sample_is(kind)));
+      if (input.empty()) out_.fail("sample", fmt::format("it has no sample; {}", what_a_sample_is(kind)));
       return;
     }
     if (!check_parameters(registry_, *sample, out_)) return;
@@ -101,10 +100,11 @@ class Tester {
 }  // namespace
 
 const std::vector<std::string>& conformance_checks() {
-  static const std::vector<std::string> all = {
-      "documentation", "sample",      "ranges", "lanes",  "finite",  "objectivity",  "rotated_path",
-      "convergence",   "single_precision", "energy", "moduli", "restart", "hidden_state", "cost",
-      "vectorised",    "mesh",        "migration", "run_restart", "balance"};
+  static const std::vector<std::string> all = {"documentation",    "sample",      "ranges",       "lanes",
+                                               "finite",           "objectivity", "rotated_path", "convergence",
+                                               "single_precision", "energy",      "moduli",       "restart",
+                                               "hidden_state",     "cost",        "vectorised",   "mesh",
+                                               "migration",        "run_restart", "balance"};
   return all;
 }
 

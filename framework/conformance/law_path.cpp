@@ -90,7 +90,8 @@ template <class Real>
 void set_initial_state(CellPart<Real>& part, const SampleLaws& laws) {
   for (const auto& [name, text] : laws.sample.settings.initial_state) {
     const auto& all = laws.law->state_variables();
-    const auto found = std::find_if(all.begin(), all.end(), [&n = name](const StateVariable& v) { return v.name == n; });
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&n = name](const StateVariable& v) { return v.name == n; });
     if (found == all.end())
       throw std::runtime_error(fmt::format("initial_state: {} keeps no variable \"{}\"", laws.sample.type(), name));
     const Quantity value = to_si(text, found->unit);

@@ -46,10 +46,11 @@ TypeSample read_sample(const Registry& registry, const std::string& kind, const 
   return sample;
 }
 
+/// A file may have the samples of several libraries, so a type that is not there is no error.
 bool knows(const Registry& registry, const std::string& kind, const Entry& entry, Diagnostics& diagnostics) {
   if (registry.find(kind, entry.key)) return true;
-  diagnostics.error(entry.key_origin, fmt::format("there is no {} of type \"{}\", so it needs no sample{}", kind,
-                                                  entry.key, near_text(entry.key, registry.names(kind))));
+  diagnostics.warning(entry.key_origin, fmt::format("no {} of type \"{}\" is loaded, so its sample is not used{}", kind,
+                                                    entry.key, near_text(entry.key, registry.names(kind))));
   return false;
 }
 
@@ -112,6 +113,7 @@ Samples::Samples(const std::string& path, const Registry& registry) {
     }
   }
   diagnostics.throw_if_errors();
+  warnings_ = diagnostics.warnings();
 }
 
 const TypeSample* Samples::find(const std::string& kind, const std::string& name) const {

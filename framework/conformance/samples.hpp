@@ -48,9 +48,11 @@ class Samples {
   const TypeSample* find(const std::string& kind, const std::string& name) const;  // null where absent
   /// Path of the whole input that shows a type at work; empty where there is none.
   std::string input(const std::string& kind, const std::string& name) const;
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   std::vector<TypeSample> samples_;
+  std::vector<std::string> warnings_;
   std::map<std::pair<std::string, std::string>, std::string> inputs_;
 };
 

@@ -290,35 +290,42 @@ struct Right final : WrongMaterial<Right> {
 struct Loops final : WrongMaterial<Loops> {
   void update_point(const PointInput& in, SymTensor& s, State&, double& g) const {
     double x = 1.0;
-    while (x * x < 1.0 + std::fabs(in.strain_increment.xx)) x *= 1.5;
+    while (x * x < 2.0 + std::fabs(in.strain_increment.trace())) x *= 1.5;
     s = s + 2.0 * G * deviator(in.strain_increment);
-    g = G;
+    g = x > 1.2 ? G * 1.001 : G;
   }
 };
 
 }  // namespace
 
-KERF_REGISTER(KERF_TYPE(NoText, "material", "no_text", "a parameter without text")
-              KERF_TYPE(OddUnit, "material", "odd_unit", "a unit that nobody knows")
-              KERF_TYPE(BadDefault, "material", "bad_default", "a default outside of its range")
-              KERF_TYPE(WideRange, "material", "wide_range", "a range that allows what the law cannot")
-              KERF_TYPE(LaneDependent, "material", "lane_dependent", "another law in every lane")
-              KERF_TYPE(NotFinite, "material", "not_finite", "the root of a negative number")
-              KERF_TYPE(FixedDirection, "material", "fixed_direction", "stiffer along x")
-              KERF_TYPE(Unrotated, "material", "unrotated", "a tensor that is not rotated")
-              KERF_TYPE(CountsSteps, "material", "counts_steps", "softer with every step")
-              KERF_TYPE(FirstOrder, "material", "first_order", "of lower order than it says")
-              KERF_TYPE(MakesEnergy, "material", "makes_energy", "stiff on the way up, soft on the way down")
-              KERF_TYPE(LyingModulus, "material", "lying_modulus", "stiffer than it says")
-              KERF_TYPE(NegativeModulus, "material", "negative_modulus", "a modulus below zero")
-              KERF_TYPE(EosMakesEnergy, "eos", "eos_makes_energy", "stiffer in compression than in expansion")
-              KERF_TYPE(LyingEos, "eos", "lying_eos", "stiffer than it says")
-              KERF_TYPE(LyingSolid, "solid", "lying_solid", "stiffer than it says")
-              KERF_TYPE(CountsObjects, "material", "counts_objects", "another law in every object")
-              KERF_TYPE(Remembers, "material", "remembers", "a member that changes")
-              KERF_TYPE(LosesDigits, "material", "loses_digits", "floats that lose digits")
-              KERF_TYPE(KnowsRanks, "material", "knows_ranks", "another law on several ranks")
-              KERF_TYPE(AlongX, "erosion", "along_x", "a direction in space")
-              KERF_TYPE(NoSample, "material", "no_sample", "a law without a sample")
-              KERF_TYPE(Right, "material", "right", "nothing is wrong with it")
-              KERF_TYPE(Loops, "material", "loops", "a loop that cannot be vectorised"))
+KERF_REGISTER(
+    KERF_TYPE(NoText, "material", "no_text", "a parameter without text") KERF_TYPE(
+        OddUnit, "material", "odd_unit", "a unit that nobody knows") KERF_TYPE(BadDefault, "material", "bad_default",
+                                                                               "a default outside of its range")
+        KERF_TYPE(WideRange, "material", "wide_range", "a range that allows what the law cannot") KERF_TYPE(
+            LaneDependent, "material", "lane_dependent",
+            "another law in every lane") KERF_TYPE(NotFinite, "material", "not_finite", "the root of a negative number")
+            KERF_TYPE(FixedDirection, "material", "fixed_direction",
+                      "stiffer along x") KERF_TYPE(Unrotated, "material", "unrotated", "a tensor that is not rotated")
+                KERF_TYPE(CountsSteps, "material", "counts_steps", "softer with every step")
+                    KERF_TYPE(FirstOrder, "material", "first_order", "of lower order than it says")
+                        KERF_TYPE(MakesEnergy, "material", "makes_energy", "stiff on the way up, soft on the way down")
+                            KERF_TYPE(LyingModulus, "material", "lying_modulus", "stiffer than it says")
+                                KERF_TYPE(NegativeModulus, "material", "negative_modulus",
+                                          "a modulus below zero") KERF_TYPE(EosMakesEnergy, "eos", "eos_makes_energy",
+                                                                            "stiffer in compression than in expansion")
+                                    KERF_TYPE(LyingEos, "eos", "lying_eos", "stiffer than it says")
+                                        KERF_TYPE(LyingSolid, "solid", "lying_solid", "stiffer than it says") KERF_TYPE(
+                                            CountsObjects, "material", "counts_objects", "another law in every object")
+                                            KERF_TYPE(Remembers, "material", "remembers", "a member that changes")
+                                                KERF_TYPE(LosesDigits, "material", "loses_digits",
+                                                          "floats that lose digits")
+                                                    KERF_TYPE(KnowsRanks, "material", "knows_ranks",
+                                                              "another law on several ranks")
+                                                        KERF_TYPE(AlongX, "erosion", "along_x", "a direction in space")
+                                                            KERF_TYPE(NoSample, "material", "no_sample",
+                                                                      "a law without a sample")
+                                                                KERF_TYPE(Right, "material", "right",
+                                                                          "nothing is wrong with it")
+                                                                    KERF_TYPE(Loops, "material", "loops",
+                                                                              "a loop that cannot be vectorised"))
