@@ -5,6 +5,7 @@
 
 #include "app/commands.hpp"
 #include "core/diagnostics.hpp"
+#include "drive/drive_input.hpp"
 #include "input/json_schema.hpp"
 #include "input/library.hpp"
 #include "input/library_pages.hpp"
@@ -102,7 +103,7 @@ int schema_command(const Registry& registry) {
 }
 
 int reference_command(const Registry& registry, const std::string& folder) {
-  write_reference(registry, folder, output_reference());
+  write_reference(registry, folder, output_reference(), describe_markdown(drive_description()));
   write_library_reference(read_library_of_kerf(), registry, folder);
   return exit_done;
 }

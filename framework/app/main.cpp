@@ -140,7 +140,7 @@ std::string complaint(const CLI::App& app, const CLI::App& command, const CLI::P
 int run_program(int argc, char** argv) {
   Arguments arguments;
   CLI::App app("Kerf: explicit dynamics for impact, penetration and erosion", "kerf");
-  app.set_version_flag("--version", std::string("kerf ") + KERF_VERSION);
+  app.set_version_flag("--version", fmt::format("kerf {} (interface {})", KERF_VERSION, interface_version));
   app.require_subcommand(1);
   add_commands(app, arguments);
   if (argc < 2) {

@@ -12,7 +12,7 @@ export(EXPORT KerfTargets NAMESPACE Kerf:: FILE "${PROJECT_BINARY_DIR}/KerfTarge
 
 configure_package_config_file(framework/cmake/KerfConfig.cmake.in "${PROJECT_BINARY_DIR}/KerfConfig.cmake"
                               INSTALL_DESTINATION lib/cmake/Kerf NO_CHECK_REQUIRED_COMPONENTS_MACRO)
-write_basic_package_version_file("${PROJECT_BINARY_DIR}/KerfConfigVersion.cmake" COMPATIBILITY ExactVersion)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/KerfConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 configure_file(framework/cmake/kerf_add_plugin.cmake "${PROJECT_BINARY_DIR}/kerf_add_plugin.cmake" COPYONLY)
 install(FILES "${PROJECT_BINARY_DIR}/KerfConfig.cmake" "${PROJECT_BINARY_DIR}/KerfConfigVersion.cmake"
               "${PROJECT_BINARY_DIR}/kerf_add_plugin.cmake"

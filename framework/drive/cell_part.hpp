@@ -104,11 +104,11 @@ class CellPart {
     for (std::size_t e = 0; e < elements_.size(); ++e) {
       const double volume = volume_by_divergence(mesh, elements_[e]);
       store_.initial_record(compression * density_ * volume, record.data());
-      start(mesh, elements_[e], std::cbrt(volume), record.data());
+      start(mesh, elements_[e], kerf::pow(volume, 1.0 / 3.0), record.data());
       store_.put(static_cast<int>(e), static_cast<std::int64_t>(e), elements_[e].data(), record.data());
     }
     // The dummy nodes form a cube that is larger than any element, so that it never sets the time step.
-    const double edge = 16.0 * std::cbrt(volume_by_divergence(mesh, elements_[0]));
+    const double edge = 16.0 * kerf::pow(volume_by_divergence(mesh, elements_[0]), 1.0 / 3.0);
     const double volume = element_.volume(reference_cell(element_.shape(), edge));
     store_.set_dummies(static_cast<std::int32_t>(x.size()), density_ * volume, volume);
     position_.resize(4 * (x.size() + 8));

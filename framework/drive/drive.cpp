@@ -27,7 +27,8 @@ bool takes(const PathInput& path, const MaterialInput& material) {
 std::string text_of(const std::string& folder, const std::string& file, const std::string& where) {
   std::string failure;
   const std::string text = read_text_file((std::filesystem::path(folder) / file).string(), failure);
-  if (!failure.empty()) throw InputError({fmt::format("{}: error: {}", where, failure)});
+  if (!failure.empty())
+    throw InputError({fmt::format("{}: error: the file {} cannot be read: {}", where, file, failure)});
   return text;
 }
 

@@ -301,6 +301,16 @@ class Reader {
 
 }  // namespace
 
+const Description& drive_description() {
+  static const Description described = [] {
+    Description d = Schema<DriveInput>::described<DriveInput>();
+    d.name = "drive";
+    d.summary = "the whole file of `kerf drive`";
+    return d;
+  }();
+  return described;
+}
+
 std::unique_ptr<DriveInput> read_drive_input(const std::string& file_name, const std::string& bytes,
                                              const std::vector<std::string>& overrides, const Registry& registry,
                                              const std::vector<std::string>& library) {

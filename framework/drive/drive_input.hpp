@@ -71,6 +71,9 @@ struct DriveInput : ModelInput {
   static void describe(Schema<DriveInput>& s);
 };
 
+/// What stands at the top of a drive file.
+const Description& drive_description();
+
 /// Reads a drive file after the overrides "key.path=value". Throws InputError with all mistakes, those of the laws
 /// included. Files that it names are read by read_text_file, relative to the drive file.
 std::unique_ptr<DriveInput> read_drive_input(const std::string& file_name, const std::string& bytes,

@@ -47,7 +47,7 @@ Reference::Reference(const ReferenceInput& input, const std::string& folder, con
   const std::string path = (std::filesystem::path(folder) / input.file).string();
   std::string failure;
   const std::string text = read_text_file(path, failure);
-  if (!failure.empty()) refuse(where, failure);
+  if (!failure.empty()) refuse(where, fmt::format("the file {} cannot be read: {}", input.file, failure));
   Diagnostics diagnostics;
   const CsvTable table = read_csv_table(text, path, diagnostics);
   diagnostics.throw_if_errors();

@@ -13,38 +13,80 @@ namespace kerf {
 
 namespace {
 
-/// Work of re-balancing, in element cycles per element; see doc/developers/performance.md. A constant of the work
-/// model, not a measured time, so that runs repeat.
-constexpr double migration_cost = 60.0;
-
 double local_work(const Model& model) {
   double work = 0.0;
   for (const PartModel& p : model.parts) work += p.work * p.store->n_live();
   return work;
 }
 
-}  // namespace
+/// Greatest and mean work of the ranks; on rank 0.
+struct Work {
+  double greatest = 0.0, mean = 0.0;
+  double imbalance() const { return mean > 0.0 ? greatest / mean : 1.0; }
+};
 
-double Balancer::imbalance(const Model& model) {
+Work work_of_ranks(const Model& model) {
   const double mine = local_work(model);
   double most = 0.0, sum = 0.0;
   MPI_Reduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, 0, model.comm);
   MPI_Reduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, 0, model.comm);
-  double ratio = sum > 0.0 ? most * model.n_ranks() / sum : 1.0;
-  // From one rank to all, because a decision that all must take alike hangs on its last bit.
+  return {most, sum / model.n_ranks()};
+}
+
+}  // namespace
+
+double Balancer::imbalance(const Model& model) {
+  double ratio = work_of_ranks(model).imbalance();
+  // From one rank to all, because whoever reads it must read the same bits.
   MPI_Bcast(&ratio, 1, MPI_DOUBLE, 0, model.comm);
   return ratio;
 }
 
-bool Balancer::due(const Model& model, std::int64_t cycle, double cycles_left) {
+bool Balancer::due(const Model& model, const Step& step, double cycles_left) {
   if (model.n_ranks() == 1) return false;
-  if (input_.force_interval > 0 && cycle % input_.force_interval == 0) return true;
-  if (!input_.enabled || cycle % input_.check_interval != 0) return false;
-  last_imbalance_ = imbalance(model);
-  if (last_imbalance_ <= input_.threshold || cycle - last_cycle_ < input_.cooldown) return false;
-  // Both sides per element of the mean rank: cycles saved until the end (or for a thousand), and the move.
-  const double saved = (last_imbalance_ - 1.0) * (cycles_left < 1000.0 ? cycles_left : 1000.0);
-  return saved > input_.cost_factor * migration_cost;
+  if (input_.force_interval > 0 && step.cycle % input_.force_interval == 0) return true;
+  const std::int64_t interval = input_.enabled ? input_.policy->check_interval() : 0;
+  return interval > 0 && step.cycle % interval == 0 && ask(model, step, cycles_left);
+}
+
+/// Rank 0 asks, and tells the others.
+bool Balancer::ask(const Model& model, const Step& step, double cycles_left) {
+  const Work work = work_of_ranks(model);
+  std::int64_t n_local = model.n_live_local(), n_elements = 0;
+  MPI_Reduce(&n_local, &n_elements, 1, MPI_INT64_T, MPI_SUM, 0, model.comm);
+  std::string failure;
+  int moves = 0;
+  if (model.rank() == 0) try {
+      BalanceState s;
+      s.cycle = step.cycle;
+      s.time = step.end();
+      s.cycles_left = cycles_left;
+      s.n_ranks = model.n_ranks();
+      s.n_elements = n_elements;
+      s.imbalance = work.imbalance();
+      s.mean_work = work.mean;
+      s.cycles_since_move = step.cycle - last_cycle_;
+      s.moves = records_;
+      moves = input_.policy->move(s) ? 1 : 0;
+    } catch (const std::exception& e) {
+      failure = fmt::format("the balance policy {} ({}) failed: {}; at time {:.6g} s, cycle {}", input_.policy->type,
+                            input_.policy->origin, e.what(), step.end(), step.cycle);
+      moves = -1;
+    }
+  MPI_Bcast(&moves, 1, MPI_INT, 0, model.comm);
+  if (moves < 0) throw PhysicsError(broadcast(model.comm, failure));
+  return moves == 1;
+}
+
+std::vector<double> Balancer::policy_state(MPI_Comm comm) const {
+  std::vector<double> numbers = input_.policy->state();
+  MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, comm);
+  return numbers;
+}
+
+void Balancer::restore(std::int64_t last_cycle, const std::vector<double>& policy_state) {
+  last_cycle_ = last_cycle;
+  if (policy_state.size() == input_.policy->state().size()) input_.policy->restore(policy_state);
 }
 
 namespace {
@@ -94,14 +136,13 @@ std::vector<int> Balancer::partition(const Model& model) const {
 void Balancer::move(Model& model, std::int64_t cycle) {
   if (model.n_ranks() == 1) return;
   const auto start = std::chrono::steady_clock::now();
-  RebalanceRecord r;
+  BalanceMove r;
   r.cycle = cycle;
   r.imbalance_before = imbalance(model);
   r.elements_moved = sum_of(model.comm, migrate(model, partition(model)));
   r.imbalance_after = imbalance(model);
   r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   last_cycle_ = cycle;
-  last_imbalance_ = r.imbalance_after;
   records_.push_back(r);
 }
 

@@ -1,19 +1,14 @@
-// Decides when the mesh is re-balanced, and does it.
+// Asks the policy when the mesh is to be re-balanced, and does it.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "kerf/balance_policy.hpp"
 #include "model/model.hpp"
+#include "model/step.hpp"
 
 namespace kerf {
-
-struct RebalanceRecord {
-  std::int64_t cycle = 0;
-  double imbalance_before = 1.0, imbalance_after = 1.0;
-  std::int64_t elements_moved = 0;
-  double seconds = 0.0;
-};
 
 class Balancer {
  public:
@@ -21,24 +16,28 @@ class Balancer {
 
   /// Distributes the generated or restored mesh for the first time. Collective.
   void distribute(Model& model) { move(model, 0); }
-  /// Whether to re-balance after this cycle; `cycles_left` is an estimate. Collective, the same on all ranks.
-  bool due(const Model& model, std::int64_t cycle, double cycles_left);
+  /// Whether to re-balance after this step; `cycles_left` is an estimate. Throws PhysicsError on all ranks where the
+  /// policy throws. Collective, the same on all ranks.
+  bool due(const Model& model, const Step& step, double cycles_left);
   /// Partitions and migrates. Collective.
   void move(Model& model, std::int64_t cycle);
 
   /// Max over mean of the work of all ranks, from the work model. Collective.
   static double imbalance(const Model& model);
-  const std::vector<RebalanceRecord>& records() const { return records_; }
+  const std::vector<BalanceMove>& records() const { return records_; }
   std::int64_t last_cycle() const { return last_cycle_; }
-  void restore(std::int64_t last_cycle) { last_cycle_ = last_cycle; }
+  /// What restart files keep beside the last cycle: rank 0's, whose policy is asked. Collective.
+  std::vector<double> policy_state(MPI_Comm comm) const;
+  /// A state of another policy, or of none, is not taken up: how a model is distributed may change at a restart.
+  void restore(std::int64_t last_cycle, const std::vector<double>& policy_state);
 
  private:
   std::vector<int> partition(const Model& model) const;
+  bool ask(const Model& model, const Step& step, double cycles_left);
 
   const BalanceInput& input_;
   std::int64_t last_cycle_ = 0;
-  double last_imbalance_ = 1.0;
-  std::vector<RebalanceRecord> records_;
+  std::vector<BalanceMove> records_;
 };
 
 }  // namespace kerf

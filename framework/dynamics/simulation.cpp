@@ -80,13 +80,10 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
   warnings_ = input.warnings;
   refuse_bad_start(cover);
 
-  const ElementReport report = initialise_elements(model_);
+  at_start_.report = initialise_elements(model_);
   sum_over_copies(model_, model_.nodes.force.data(), 4);
-  loads_.add_forces(model_, 0.0);
-  Step none;
-  reduce(none, report);
-  first_stable_ = reduction_.least_step;
-  if (!contacts_.empty()) start_contact(report);
+  at_start_.force.assign(model_.nodes.force.begin(), model_.nodes.force.end());
+  start_forces();
   for (std::string& line : model_warnings(model_, cover, loads_.count_targets(model_)))
     warnings_.push_back(std::move(line));
   warnings_.insert(warnings_.end(), loads_.late().begin(), loads_.late().end());
@@ -95,6 +92,22 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
     for (int s = 0; s < part.store->n_slots(); ++s) mass.push_back(part.store->field(PartStore::mass).at(s, 0));
     part.initial_mass = order_free_sum(comm, mass);
   }
+}
+
+/// Forces of time zero, beside those of the elements.
+void Simulation::start_forces() {
+  std::copy(at_start_.force.begin(), at_start_.force.end(), model_.nodes.force.begin());
+  const Step none;
+  loads_.add_forces(model_, none);
+  reduce(none, at_start_.report);
+  first_stable_ = reduction_.least_step;
+  if (!contacts_.empty()) start_contact(at_start_.report);
+}
+
+void Simulation::add_source(ForceSource& source) {
+  loads_.add_source(source);
+  if (source.adds_forces()) start_forces();
+  at_start_ = {};
 }
 
 /// Bodies that touch or are about to ask for a short first step, which shows only when it has been tried.
@@ -260,7 +273,7 @@ void Simulation::run() {
 /// Between the drift and the forces, when the old forces have done their work and nothing but state has to move.
 void Simulation::rebalance(const Step& step) {
   const double left = (input_.time.end - step.end()) / step.dt;
-  if (!balancer_.due(model_, step.cycle, left)) return;
+  if (!balancer_.due(model_, step, left)) return;
   const auto scope = timers_.measure("rebalance");
   balancer_.move(model_, step.cycle);
   erosion_->rearranged();
@@ -280,7 +293,7 @@ void Simulation::add_forces(const Step& step) {
   }
   {
     const auto scope = timers_.measure("loads");
-    loads_.add_forces(model_, step.end());
+    loads_.add_forces(model_, step);
   }
   {
     const auto scope = timers_.measure("halo");
@@ -410,6 +423,7 @@ Simulation::Progress Simulation::progress() const {
   p.last_dt = clock_.last_dt();
   p.cycle = clock_.cycle();
   p.last_rebalance = balancer_.last_cycle();
+  p.balance_policy = balancer_.policy_state(model_.comm);
   p.element_cycles = element_cycles_;
   p.reduction = reduction_;
   p.first_stable = first_stable_;
@@ -425,7 +439,7 @@ void Simulation::resume(const Progress& p) {
   resumed_contact_step_ = p.contact_step;
   balancer_.distribute(model_);
   erosion_->rearranged();
-  balancer_.restore(p.last_rebalance);
+  balancer_.restore(p.last_rebalance, p.balance_policy);
   renumbered();
   load_ = load_on_owned(model_, p.contact_force);
   for (std::size_t k = 0; k < p.force_of_contact.size(); ++k)

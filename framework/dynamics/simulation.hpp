@@ -46,6 +46,9 @@ class Simulation {
   /// they stand. Collective, as is everything here.
   Simulation(MPI_Comm comm, const ModelInput& input);
 
+  /// Lets observers add forces, also those of time zero. Pre: time zero; called once, before observe(). It must outlive
+  /// this.
+  void add_source(ForceSource& source);
   void observe(StepObserver& observer) { observers_.push_back(&observer); }
   /// Keeps books per boundary condition or per contact definition from now on.
   void keep_side_books(bool of_reactions, bool of_contacts);
@@ -97,6 +100,7 @@ class Simulation {
   struct Progress {
     double time = 0.0, last_dt = 0.0;
     std::int64_t cycle = 0, last_rebalance = 0, element_cycles = 0;
+    std::vector<double> balance_policy;  // what the policy keeps
     StepReduction reduction;
     double first_stable = 0.0, contact_step = 0.0;
     ForceByNode contact_force;  // any superset of the nodes of this rank
@@ -137,6 +141,13 @@ class Simulation {
   SideBooks side_books_;
   std::unique_ptr<Erosion> erosion_;
   std::vector<std::unique_ptr<ContactEngine>> contacts_;
+  /// What elements do at time zero, for forces that come late.
+  struct AtStart {
+    ElementReport report;
+    std::vector<std::int64_t> force;
+  };
+  void start_forces();
+  AtStart at_start_;
   std::vector<StepObserver*> observers_;
   Timers timers_;
   StepReduction reduction_;

@@ -12,6 +12,11 @@ namespace kerf {
 
 ModelInput::~ModelInput() = default;
 
+bool ModelInput::has_external_forces() const {
+  return !loads.empty() ||
+         std::any_of(observers.begin(), observers.end(), [](const auto& o) { return o && o->calls().forces; });
+}
+
 void TimeInput::describe(Schema<TimeInput>& s) {
   s.real(&TimeInput::end, "end", "s", positive, "time at which the run ends");
   s.real(&TimeInput::safety_factor, "safety_factor", "-", Range{0.0, 1.0, true, false},
@@ -161,20 +166,12 @@ void BalanceInput::describe(Schema<BalanceInput>& s) {
   s.plugin(&BalanceInput::contact_partitioner, "contact_partitioner", "partitioner",
            "how space is divided between the ranks for contact; one that divides space, such as zoltan_rcb")
       .by_default("{type: zoltan_rcb}");
-  s.boolean(&BalanceInput::enabled, "enabled", "whether the mesh is re-balanced during the run").by_default("true");
-  s.real(&BalanceInput::threshold, "threshold", "-", Range{1.0, 100.0, false, false},
-         "max/mean of the work model above which re-balancing is considered")
-      .by_default("1.05");
-  s.integer(&BalanceInput::check_interval, "check_interval", positive, "cycles between two looks at the imbalance")
-      .by_default("50");
-  s.integer(&BalanceInput::cooldown, "cooldown", non_negative, "least cycles between two re-balances")
-      .by_default("100");
+  s.plugin(&BalanceInput::policy, "policy", "balance_policy", "when the mesh is re-balanced during the run")
+      .by_default("{type: threshold}");
+  s.boolean(&BalanceInput::enabled, "enabled", "whether the policy is asked at all").by_default("true");
   s.integer(&BalanceInput::force_interval, "force_interval", non_negative,
-            "re-balance every so many cycles whatever the imbalance; 0 for never")
+            "re-balance every so many cycles, whatever the policy says; 0 for never")
       .by_default("0");
-  s.real(&BalanceInput::cost_factor, "cost_factor", "-", non_negative,
-         "re-balance only if the work saved until the next look exceeds this many times the cost of moving")
-      .by_default("1.0");
 }
 
 void OutputInput::describe(Schema<OutputInput>& s) {

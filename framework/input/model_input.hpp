@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "kerf/balance_policy.hpp"
 #include "kerf/boundary.hpp"
 #include "kerf/contact.hpp"
 #include "kerf/curve.hpp"
@@ -111,9 +112,9 @@ struct JoinedInput {
 
 struct BalanceInput {
   bool enabled = true;
-  double threshold = 1.05, cost_factor = 1.0;
-  std::int64_t check_interval = 50, cooldown = 100, force_interval = 0;
+  std::int64_t force_interval = 0;
   std::unique_ptr<Partitioner> partitioner, contact_partitioner;
+  std::unique_ptr<BalancePolicy> policy;
   static void describe(Schema<BalanceInput>& s);
 };
 
@@ -167,6 +168,8 @@ struct ModelInput {
   std::vector<LibraryUse> library_uses;  // sets of the material library that are in their places already
   std::string materials_text;  // the block `materials` with all sets written out; empty where none was named
   static void describe(Schema<ModelInput>& s);
+  /// Whether loads, or observers, put forces on nodes.
+  bool has_external_forces() const;
   ~ModelInput();
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "input/balance_keys.hpp"
 #include "input/binder.hpp"
 #include "input/substitute.hpp"
 #include "input/yaml_reader.hpp"
@@ -28,10 +29,11 @@ bool names_a_parameter_within(const Node& node) {
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
 
 /// Of precision, materials, parts, joints, sets, initial states, boundaries, contacts, checks, loads, curves with the
-/// files that they name, and the choice of the time step: what is computed. How long, how it is distributed and what is
-/// written may change at a restart.
-std::string physics_digest(const Node& root, const std::vector<std::string>& files) {
+/// files that they name, the choice of the time step, and observers if one of them adds forces: what is computed. How
+/// long, how it is distributed and what is written may change at a restart.
+std::string physics_digest(const Node& root, const std::vector<std::string>& files, bool observers_act) {
   Digest hash;
+  if (const Entry* observers = root.find("observers"); observers && observers_act) hash.add(observers->value);
   for (const char* key : {"precision", "materials", "parts", "joined", "sets", "initial_state", "boundaries",
                           "contacts", "checks", "loads", "curves"})
     if (const Entry* entry = root.find(key); entry && !is_default(*entry)) hash.add(entry->value);
@@ -68,6 +70,7 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
   const Origin top{std::make_shared<const std::string>(file_name), 1, 1};
   for (const std::string& text : overrides) apply_override(*root, text, diagnostics);
   substitute_parameters(*root, diagnostics);
+  move_balance_keys(*root, diagnostics);
   auto model = std::make_unique<ModelInput>();
   if (root->is_nothing()) {
     diagnostics.error(top, "the input is empty; expected at least the keys time, materials and parts");
@@ -84,7 +87,9 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
   for (std::size_t k = 0; k < model->joined.size(); ++k)
     model->joined[k]->origin = origins.find("joined[" + std::to_string(k) + "].parts").text();
   curves.finish();
-  model->digest = physics_digest(*root, curves.file_texts());
+  const bool observers_act = std::any_of(model->observers.begin(), model->observers.end(),
+                                         [](const auto& o) { return o && o->calls().forces; });
+  model->digest = physics_digest(*root, curves.file_texts(), observers_act);
   for (std::size_t i = 0; i < model->initial_states.size(); ++i)
     model->initial_states[i]->origin = origins.find("initial_state[" + std::to_string(i) + "]").text();
   model->end_origin = origins.find("time.end").text();

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "drive/drive_input.hpp"
 #include "input/model_input.hpp"
 #include "input/parameter_text.hpp"
 #include "kerf/measure.hpp"
@@ -128,16 +127,6 @@ const Description& input_description() {
   return described;
 }
 
-const Description& drive_description() {
-  static const Description described = [] {
-    Description d = Schema<DriveInput>::described<DriveInput>();
-    d.name = "drive";
-    d.summary = "the whole file of `kerf drive`";
-    return d;
-  }();
-  return described;
-}
-
 std::string list_text(const Registry& registry, const std::string& kind) {
   std::string text;
   for (const std::string& k : registry.kinds()) {
@@ -195,7 +184,8 @@ void write_page(const std::string& name, const std::string& text) {
   if (!file) throw std::runtime_error("cannot write " + path.string());
 }
 
-void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page) {
+void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page,
+                     const std::string& drive_page) {
   const std::filesystem::path root = std::filesystem::absolute(folder).lexically_normal();
   std::string index =
       "# Reference\n\nEverything that an input file can name, one page per type: what it takes, units, defaults, "
@@ -207,7 +197,7 @@ void write_reference(const Registry& registry, const std::string& folder, const 
       "- [output](output.md): columns, keys, fields and timers that are written\n"
       "- [library](library/README.md): sets of constants of named materials\n";
   write_page((root / "input.md").string(), describe_markdown(input_description()));
-  write_page((root / "drive.md").string(), describe_markdown(drive_description()));
+  write_page((root / "drive.md").string(), drive_page);
   write_page((root / "output.md").string(), output_page);
   for (const std::string& kind : registry.kinds()) {
     index += fmt::format("\n## {}\n\n", kind);

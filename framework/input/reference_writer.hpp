@@ -20,11 +20,10 @@ void write_page(const std::string& path, const std::string& text);
 
 /// What stands at the top of an input file: the declaration of ModelInput.
 const Description& input_description();
-/// The same of a drive file: the declaration of DriveInput.
-const Description& drive_description();
 
-/// Writes input.md, drive.md, output.md, README.md (the index) and KIND/NAME.md below `folder`, which is made if need be.
-/// Throws std::runtime_error where a file cannot be written.
-void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page);
+/// Writes input.md, drive.md, output.md, README.md (the index) and KIND/NAME.md below `folder`, which is made if need
+/// be. Throws std::runtime_error where a file cannot be written.
+void write_reference(const Registry& registry, const std::string& folder, const std::string& output_page,
+                     const std::string& drive_page);
 
 }  // namespace kerf

@@ -89,6 +89,7 @@ class Validator {
     require_all(model_.measures, "measures", "Measure");
     require_all(model_.observers, "observers", "Observer");
     require(model_.balance.partitioner.get(), "balance.partitioner", "Partitioner");
+    require(model_.balance.policy.get(), "balance.policy", "BalancePolicy");
     require(model_.balance.contact_partitioner.get(), "balance.contact_partitioner", "Partitioner");
   }
 

@@ -34,6 +34,8 @@ Vec3 mean_of(const ExteriorFacet& f, const Value& value) {
   return sum * (1.0 / static_cast<double>(n_corners(f)));
 }
 
+ForceActor actor_of(const Load& load) { return {"the load " + load.type, load.origin}; }
+
 std::array<Vec3, 4> shares_of(const NodeStore& nodes, const ExteriorFacet& f) {
   return facet_shares({nodes.x(f.nodes[0]), nodes.x(f.nodes[1]), nodes.x(f.nodes[2]), nodes.x(f.nodes[3])});
 }
@@ -84,7 +86,7 @@ void Loads::find_facets(const Model& model) {
 }
 
 /// Adds a force to one copy of a node. One that is not finite or too large is not added, but named in `trouble_`.
-void Loads::add(const Model& model, std::int32_t node, Vec3 newton, const Load& load) {
+void Loads::add(const Model& model, std::int32_t node, Vec3 newton, const ForceActor& actor) {
   for (int d = 0; d < 3; ++d) {
     std::int64_t& sum = force_[4 * static_cast<std::size_t>(node) + static_cast<std::size_t>(d)];
     const double quanta = newton[d] * model.quanta.force.per_quantum;
@@ -93,9 +95,9 @@ void Loads::add(const Model& model, std::int32_t node, Vec3 newton, const Load& 
     if (fits) sum += std::llrint(quanta);
     if ((fits && std::fabs(static_cast<double>(sum)) < ForceScale::limit) || !trouble_.empty()) continue;
     trouble_ = fmt::format(
-        "the force of the load {} ({}) on node {} (part {}, rank {}), {:.4g} N, is not finite, or out of all "
-        "proportion to what the materials can bear;",
-        load.type, load.origin, model.nodes.id[node],
+        "the force of {} ({}) on node {} (part {}, rank {}), {:.4g} N, is not finite, or out of all proportion to what "
+        "the materials can bear;",
+        actor.name, actor.origin, model.nodes.id[node],
         model.parts[static_cast<std::size_t>(model.nodes.part[node])].input->name, model.rank(), newton[d]);
   }
 }
@@ -121,21 +123,24 @@ LoadedFacet Loads::seen(const Model& model, const OnFacet& on, const std::array<
 }
 
 void Loads::add_facet_forces(const Model& model, double time) {
+  ForceActor actor;
   for (const OnFacet& on : on_facets_) {
     const ExteriorFacet& f = on.mark.facet;
     const FacetLoad& law = *marks_.laws()[on.mark.law];
+    if (asked_ != &law || actor.name.empty()) actor = actor_of(law);
     asked_ = &law;
     const std::array<Vec3, 4> shares = shares_of(model.nodes, f);
     const LoadedFacet facet = seen(model, on, shares);
     const FacetForce acts = law.force(facet, time);
     for (std::size_t c = 0; c < 4; ++c)
-      add(model, f.nodes[c], shares[c] * -acts.pressure + acts.traction * dot(shares[c], facet.normal), law);
+      add(model, f.nodes[c], shares[c] * -acts.pressure + acts.traction * dot(shares[c], facet.normal), actor);
   }
 }
 
 void Loads::add_node_forces(const Model& model, const OnNodes& on, double time) {
   const NodeStore& nodes = model.nodes;
   asked_ = on.load;
+  const ForceActor actor = actor_of(*on.load);
   for (std::size_t k = 0; k < on.nodes.size(); ++k) {
     const std::int32_t i = on.nodes[k];
     // A point mass is nobody's material; a dropped node is nothing.
@@ -144,12 +149,13 @@ void Loads::add_node_forces(const Model& model, const OnNodes& on, double time) 
                           on.reference.empty() ? Vec3{} : on.reference[k]};
     const Vec3 newton =
         on.nodal != nullptr ? on.nodal->force(node, time) : on.body->acceleration(node, time) * node.mass;
-    add(model, i, newton, *on.load);
+    add(model, i, newton, actor);
   }
 }
 
-void Loads::add_forces(Model& model, double time) {
-  if (input_.loads.empty()) return;
+void Loads::add_forces(Model& model, const Step& step) {
+  if (input_.loads.empty() && !has_source()) return;
+  const double time = step.end();
   trouble_.clear();
   find_facets(model);
   force_.assign(4 * (static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies), 0);
@@ -158,8 +164,12 @@ void Loads::add_forces(Model& model, double time) {
   } catch (const std::exception& e) {
     note_failure(e.what());
   }
-  // Each facet is computed once, by the rank that has its element; nodes are computed on all ranks that have a copy.
-  if (!marks_.laws().empty()) sum_over_copies(model, force_.data(), 4);
+  if (has_source())
+    source_->add_forces(
+        step, [&](std::int32_t node, Vec3 newton, const ForceActor& actor) { add(model, node, newton, actor); });
+  // Each facet is computed once, by the rank that has its element, and observers know owned nodes; the laws of nodes
+  // are computed on all ranks that have a copy.
+  if (!marks_.laws().empty() || has_source()) sum_over_copies(model, force_.data(), 4);
   try {
     for (const OnNodes& on : on_nodes_) add_node_forces(model, on, time);
   } catch (const std::exception& e) {
@@ -187,7 +197,7 @@ void Loads::after_erosion(Model& model, const std::vector<ExteriorFacet>& opened
 
 void Loads::restore(const Model& model, const std::vector<LoadOnNode>& share) {
   acting_ = {};
-  if (input_.loads.empty()) return;
+  if (input_.loads.empty() && !has_source()) return;
   std::vector<std::int64_t> owned;
   for (int i = 0; i < model.nodes.n(); ++i)
     if (model.nodes.owned[i] != 0) owned.push_back(model.nodes.id[i]);
@@ -212,45 +222,55 @@ std::vector<std::int64_t> Loads::count_targets(const Model& model) const {
   return counts;
 }
 
+namespace {
+
+/// What a load has against its facets of one rank.
+struct FacetTally {
+  std::int64_t n = 0, refused = 0, reached = 0, in_time = 0;
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();  // the least id of those that are refused
+  std::string text;  // about it
+};
+
+}  // namespace
+
 std::vector<std::string> Loads::complaints(const Model& model) {
-  constexpr std::int64_t no_facet = std::numeric_limits<std::int64_t>::max();
   find_facets(model);
   late_.clear();
-  const std::size_t n = marks_.laws().size();
-  std::vector<std::int64_t> n_facets(n, 0), n_refused(n, 0), n_reached(n, 0), n_in_time(n, 0), first(n, no_facet);
-  std::vector<std::string> texts(n);
+  std::vector<FacetTally> tallies(marks_.laws().size());
   for (const OnFacet& on : on_facets_) {
-    const std::size_t k = on.mark.law;
+    const FacetLoad& law = *marks_.laws()[on.mark.law];
+    FacetTally& t = tallies[on.mark.law];
     const LoadedFacet facet = seen(model, on, shares_of(model.nodes, on.mark.facet));
-    std::string text = marks_.laws()[k]->objection(facet);
-    ++n_facets[k];
-    if (marks_.laws()[k]->can_reach(facet, std::numeric_limits<double>::infinity())) ++n_reached[k];
-    if (marks_.laws()[k]->can_reach(facet, model.input->time.end)) ++n_in_time[k];
+    std::string text = law.objection(facet);
+    ++t.n;
+    if (law.can_reach(facet, std::numeric_limits<double>::infinity())) ++t.reached;
+    if (law.can_reach(facet, model.input->time.end)) ++t.in_time;
     if (text.empty()) continue;
-    ++n_refused[k];
-    if (facet.id < first[k]) texts[k] = std::move(text);
-    first[k] = std::min(first[k], facet.id);
+    ++t.refused;
+    if (facet.id < t.first) t.text = std::move(text);
+    t.first = std::min(t.first, facet.id);
   }
   std::vector<std::string> lines;
-  for (std::size_t k = 0; k < n; ++k) {
-    const std::int64_t refused = sum_of(model.comm, n_refused[k]), all = sum_of(model.comm, n_facets[k]);
-    const std::int64_t reached = sum_of(model.comm, n_reached[k]), in_time = sum_of(model.comm, n_in_time[k]);
+  for (std::size_t k = 0; k < tallies.size(); ++k) {
+    const FacetTally& t = tallies[k];
+    const Load& law = *marks_.laws()[k];
+    const std::int64_t refused = sum_of(model.comm, t.refused), all = sum_of(model.comm, t.n);
+    const std::int64_t reached = sum_of(model.comm, t.reached), in_time = sum_of(model.comm, t.in_time);
     if (reached > 0 && in_time == 0)
       late_.push_back(
           fmt::format("{}: warning: the load {} pushes its first facet after the end of the run at {:.3g} s; raise "
                       "time.end, or let it act earlier",
-                      marks_.laws()[k]->origin, marks_.laws()[k]->type, model.input->time.end));
+                      law.origin, law.type, model.input->time.end));
     if (refused == 0 && reached == 0 && all > 0)
       lines.push_back(
           fmt::format("{}: error: the load {} can push none of its {} facets; expected a place, a direction and a time "
                       "at which it acts on some",
-                      marks_.laws()[k]->origin, marks_.laws()[k]->type, all));
+                      law.origin, law.type, all));
     if (refused == 0) continue;
     // The same facet on any number of ranks.
-    std::int64_t least = no_facet;
-    MPI_Allreduce(&first[k], &least, 1, MPI_INT64_T, MPI_MIN, model.comm);
-    const std::string text = first_text(model.comm, first[k] == least ? texts[k] : std::string{});
-    const Load& law = *marks_.laws()[k];
+    std::int64_t least = 0;
+    MPI_Allreduce(&t.first, &least, 1, MPI_INT64_T, MPI_MIN, model.comm);
+    const std::string text = first_text(model.comm, t.first == least ? t.text : std::string{});
     lines.push_back(fmt::format("{}: error: the load {} cannot act on {} of its {} facets; the first has {}",
                                 law.origin, law.type, refused, all, text));
   }

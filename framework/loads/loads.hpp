@@ -20,9 +20,11 @@ class Loads {
   void begin(Model& model);
   /// To be called whenever local nodes came, went or changed places. Local.
   void renumbered(const Model& model);
-  /// Adds what acts at a time [s] to the force of all copies of nodes. Pre: these are sums over all copies already.
-  /// Collective.
-  void add_forces(Model& model, double time);
+  /// Lets another one add forces as well; it must outlive this.
+  void add_source(ForceSource& source) { source_ = &source; }
+  /// Adds what acts at the end of a step to the force of all copies of nodes. Pre: these are sums over all copies
+  /// already. Collective.
+  void add_forces(Model& model, const Step& step);
   /// A sentence about a force of this rank, of the last add_forces(), that cannot be; empty where all is well.
   const std::string& trouble() const { return trouble_; }
   /// What the last add_forces() added, or restore() brought back.
@@ -60,11 +62,14 @@ class Loads {
   LoadedFacet seen(const Model& model, const OnFacet& on, const std::array<Vec3, 4>& shares) const;
   void add_facet_forces(const Model& model, double time);
   void add_node_forces(const Model& model, const OnNodes& on, double time);
-  void add(const Model& model, std::int32_t node, Vec3 newton, const Load& load);
+  void add(const Model& model, std::int32_t node, Vec3 newton, const ForceActor& actor);
   void note_failure(const char* what);
   void hand_over(Model& model);
 
+  bool has_source() const { return source_ != nullptr && source_->adds_forces(); }
+
   const ModelInput& input_;
+  ForceSource* source_ = nullptr;
   FacetMarks marks_;
   std::vector<OnNodes> on_nodes_;
   std::vector<OnFacet> on_facets_;

@@ -10,9 +10,19 @@ struct PluginKind {
 
 /// In the order of the alphabet, as `kerf list` shows them.
 inline constexpr PluginKind plugin_kinds[] = {
-    {"boundary", "boundaries"}, {"contact", "contact"},    {"element", nullptr},        {"eos", "eos"},
-    {"erosion", "erosion"},     {"load", "loads"},         {"material", "materials"},   {"measure", "measures"},
-    {"mesh", nullptr},          {"observer", "observers"}, {"partitioner", "parallel"}, {"solid", "solids"},
+    {"balance_policy", "parallel"},
+    {"boundary", "boundaries"},
+    {"contact", "contact"},
+    {"element", nullptr},
+    {"eos", "eos"},
+    {"erosion", "erosion"},
+    {"load", "loads"},
+    {"material", "materials"},
+    {"measure", "measures"},
+    {"mesh", nullptr},
+    {"observer", "observers"},
+    {"partitioner", "parallel"},
+    {"solid", "solids"},
 };
 
 }  // namespace kerf

@@ -8,6 +8,8 @@
 #include <exception>
 #include <filesystem>
 
+#include "plugin/prototype.hpp"
+
 namespace kerf {
 namespace {
 
@@ -52,6 +54,7 @@ void load_plugin(const std::string& path, Registry& registry, Diagnostics& diagn
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))
     return diagnostics.error(path, "there is no such plugin file; expected the path of a shared library (.so)");
+  if (is_prototype(path)) return load_prototype(path, registry, diagnostics);
   void* library = dlopen(with_folder(path).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library)
     return diagnostics.error(path, fmt::format("cannot be loaded as a plugin: {}; rebuild it with this Kerf's headers "

@@ -6,14 +6,16 @@
 
 namespace kerf {
 
-void Registry::add(Description description, Made (*make)()) {
+void Registry::add(Description description, Made (*make)()) { add_made(std::move(description), make); }
+
+void Registry::add_made(Description description, std::function<Made()> make) {
   const auto key = std::make_pair(description.kind, description.name);
   const auto found = entries_.find(key);
   if (found != entries_.end())
     throw std::runtime_error("two plugins of kind " + key.first + " are called \"" + key.second + "\": one in " +
                              found->second.description.origin + ", one in " + description.origin +
                              "; rename one of them");
-  entries_.emplace(key, Entry{std::move(description), make});
+  entries_.emplace(key, Entry{std::move(description), std::move(make)});
 }
 
 const Description* Registry::find(const std::string& kind, const std::string& name) const {

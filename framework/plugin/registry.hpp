@@ -1,6 +1,7 @@
 // Maps a plugin's kind and name to what it declares and to its maker.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@ class Registry final : public Registrar {
   /// Throws std::runtime_error naming both origins where kind and name are taken already.
   void add(Description description, Made (*make)()) override;
 
+  /// The same for types that are not known to the compiler: laws in Python.
+  void add_made(Description description, std::function<Made()> make);
+
   const Description* find(const std::string& kind, const std::string& name) const;  // null where absent
   /// A new object with `type` and `description` set. Pre: find(kind, name) is not null.
   Made make(const std::string& kind, const std::string& name) const;
@@ -23,7 +27,7 @@ class Registry final : public Registrar {
  private:
   struct Entry {
     Description description;
-    Made (*make)() = nullptr;
+    std::function<Made()> make;
   };
   std::map<std::pair<std::string, std::string>, Entry> entries_;
 };

@@ -63,7 +63,8 @@ def read_points(points: dict) -> tuple[np.ndarray, np.ndarray]:
         elif column.isdigit() and 1 <= int(column) <= len(heading):
             places.append(int(column) - 1)
         else:
-            raise Refused(f"{path} has no column \"{column}\"; expected one of {', '.join(heading)}, or a number from 1")
+            raise Refused(f"{path} has no column \"{column}\"; expected one of {', '.join(heading)}, or a number "
+                          "from 1")
     try:
         float(rows[0][places[0]])
     except ValueError:
@@ -106,7 +107,8 @@ def draw(picture: dict, curves: list[dict], folder: Path, title: str) -> str | N
     axes = figure.subplots()
     for points in picture["points"]:
         at, value = read_points(points)
-        axes.plot(at * fx, value * fy, "o", color="#1a202c", fillstyle="none", markersize=5, label=plain(points["label"]))
+        axes.plot(at * fx, value * fy, "o", color="#1a202c", fillstyle="none", markersize=5,
+                  label=plain(points["label"]))
     materials = list(dict.fromkeys(c["material"] for c in shown))
     paths = list(dict.fromkeys(c["path"] for c in shown))
     for curve, table in zip(shown, tables):

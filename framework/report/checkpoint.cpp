@@ -91,7 +91,7 @@ void write_nodes(RestartWriter& file, Simulation& simulation) {
   }
   std::vector<RestartColumn> columns{{"integers", n_node_integers, integers.data()},
                                      {"reals", n_node_reals, reals.data()}};
-  if (!model.input->loads.empty()) columns.push_back({"loads", 3, external_of_owned.data()});
+  if (model.input->has_external_forces()) columns.push_back({"loads", 3, external_of_owned.data()});
   std::vector<std::vector<std::int64_t>> of_contact;  // forces of single definitions, where books of them are kept
   for (const ContactLoad& one : simulation.side_books().loads()) of_contact.push_back(forces_of(nodes, one));
   for (std::size_t k = 0; k < of_contact.size(); ++k)
@@ -202,7 +202,7 @@ ModelBundle read_bundle(RestartReader& file, const Model& model, std::size_t n_c
     r.mass = real[6];
     std::copy_n(real + 7, 3, r.reference);
   }
-  if (!model.input->loads.empty()) {
+  if (model.input->has_external_forces()) {
     const auto& external = e.integer("loads", 3);
     for (std::size_t i = 0; i < e.gids.size(); ++i) {
       const std::int64_t* f = &external[3 * i];
@@ -240,6 +240,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   let_go_counts.insert(let_go_counts.end(), let_go.by_part.begin(), let_go.by_part.end());
   file.write_attribute("let_go", let_go_counts);
   file.write_attribute("contact", std::vector<double>{let_go.deepest, let_go.first_time});
+  if (!p.balance_policy.empty()) file.write_attribute("balance_policy", p.balance_policy);
   write_observers(file, simulation, output.observers);
   write_nodes(file, simulation);
   write_elements(file, model);
@@ -266,6 +267,7 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   p.contact_step = clock.at(4);
   p.cycle = counters.at(0);
   p.last_rebalance = counters.at(1);
+  if (file.has_attribute("balance_policy")) p.balance_policy = file.reals("balance_policy");
   p.element_cycles = counters.at(2);
   p.reduction.least_id = counters.at(3);
   read_side_books(file, path, simulation);

@@ -20,6 +20,24 @@ std::string described(const Observer& o) {
   return fmt::format("the observer `{}` ({}, {})", o.label, o.type, o.origin);
 }
 
+/// Hands the forces of an observer on, those on owned nodes.
+class OwnedForces final : public ObservedForces {
+ public:
+  OwnedForces(const ObservedNodes& nodes, ForceActor actor, const AddForce& add)
+      : nodes_(nodes), actor_(std::move(actor)), add_(add) {}
+  void add(int node, Vec3 newton) override {
+    if (node < 0 || node >= nodes_.n || nodes_.owned[node] == 0)
+      throw std::runtime_error(fmt::format(
+          "a force was added to node {} of this rank, which it does not own; expected owned nodes only", node));
+    add_(node, newton, actor_);
+  }
+
+ private:
+  const ObservedNodes& nodes_;
+  ForceActor actor_;
+  const AddForce& add_;
+};
+
 /// What is wrong with the columns that an observer declares, or nothing.
 std::string complaint_about(const std::vector<ObservedColumn>& columns) {
   std::set<std::string> names = {"time"};
@@ -50,6 +68,21 @@ ObserverHost::ObserverHost(Simulation& simulation, const ModelInput& input)
     if (const std::string failure = prepare(seat); !failure.empty())
       errors.push_back(fmt::format("{}: error: {}", seat.observer->origin, failure));
   if (!errors.empty()) throw InputError(errors);
+  simulation.add_source(*this);
+}
+
+bool ObserverHost::adds_forces() const {
+  return std::any_of(seats_.begin(), seats_.end(), [](const Seat& s) { return s.calls.forces; });
+}
+
+void ObserverHost::add_forces(const Step& step, const AddForce& add) {
+  for (Seat& seat : seats_) {
+    if (!seat.calls.forces || seat.observer == nullptr) continue;
+    const auto scope = simulation_.timers().measure("observers");
+    show(step);
+    OwnedForces forces(view_.nodes, {fmt::format("the observer {}", seat.observer->label), seat.observer->origin}, add);
+    call(seat, "add_forces", [&] { seat.observer->add_forces(view_, forces); });
+  }
 }
 
 std::string ObserverHost::prepare(Seat& seat) {

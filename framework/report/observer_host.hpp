@@ -20,7 +20,7 @@ struct ObserverProgress {
 };
 
 /// All functions are collective.
-class ObserverHost {
+class ObserverHost final : public ForceSource {
  public:
   /// Prepares the observers. Pre: the simulation is at time zero. Throws InputError with all complaints.
   ObserverHost(Simulation& simulation, const ModelInput& input);
@@ -30,6 +30,8 @@ class ObserverHost {
   /// Takes up the states of observers, and goes on with history.h5. Throws InputError where the input has
   /// others.
   void resume(const std::string& folder, const std::vector<ObserverProgress>& progress);
+  bool adds_forces() const override;
+  void add_forces(const Step& step, const AddForce& add) override;
   void before_forces(const Step& step);
   void after_forces(const Step& step);
   /// Calls the observers that want every cycle or are due. Throws PhysicsError where an observer throws.

@@ -305,7 +305,7 @@ Summary Reporter::summarise(const std::string& exit) {
   add_measures(s);
   observers_.add_to(s);
   add_timers(s);
-  for (const RebalanceRecord& r : simulation_.balancer().records())
+  for (const BalanceMove& r : simulation_.balancer().records())
     s.rebalances.push_back({r.cycle, r.imbalance_before, r.imbalance_after, r.elements_moved, r.seconds});
   return s;
 }

@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from input_case import GOOD, KERF, SOURCE, kerf, on_ranks, settings, spoiled, summary_of
+from shipped import INPUTS
 
-INPUTS = sorted((SOURCE / "inputs").glob("*/*.yaml"))
 MPIRUN = ["mpirun", "-n", "2", "--oversubscribe", "--bind-to", "none"] + (["--allow-run-as-root"] if os.geteuid() == 0
                                                                          else [])
 
@@ -139,7 +139,7 @@ def test_help_and_version():
     assert kerf("--help").returncode == 0
     assert kerf("run", "--help").returncode == 0
     done = kerf("--version")
-    assert done.returncode == 0 and re.fullmatch(r"kerf \d+\.\d+\.\d+\n", done.stdout)
+    assert done.returncode == 0 and re.fullmatch(r"kerf \d+\.\d+\.\d+ \(interface \d+\)\n", done.stdout)
     alone = kerf()
     assert alone.returncode == 1 and "check an input file without running it" in alone.stdout
 

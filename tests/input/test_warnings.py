@@ -3,8 +3,8 @@
 import pytest
 
 from input_case import GOOD, SOURCE, kerf, on_ranks, spoiled, summary_of
+from shipped import INPUTS
 
-INPUTS = sorted((SOURCE / "inputs").glob("*/*.yaml"))
 CONTACT = "contacts:\n  - {type: eroding_surface}\n"
 
 LINEAR = "eos: {type: linear, bulk_modulus: 130 GPa}"

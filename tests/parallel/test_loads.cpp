@@ -178,7 +178,7 @@ TEST(FacetMarks, pass_through_random_erosion_and_migration_as_the_serial_rule_sa
 /// The forces of all loads by node id, as every copy has them.
 std::map<std::int64_t, std::array<std::int64_t, 3>> forces_on_copies(Model& model, Loads& loads) {
   std::fill(model.nodes.force.begin(), model.nodes.force.end(), 0);
-  loads.add_forces(model, 0.0);
+  loads.add_forces(model, Step{});
   EXPECT_EQ(loads.trouble(), "");
   std::map<std::int64_t, std::array<std::int64_t, 3>> forces;
   for (int i = 0; i < model.nodes.n(); ++i)
@@ -222,7 +222,7 @@ TEST(Loads, come_back_from_a_restart_to_whoever_owns_the_node) {
   generate(model, *input);
   Loads loads(*input);
   loads.begin(model);
-  loads.add_forces(model, 0.0);
+  loads.add_forces(model, Step{});
   std::vector<LoadOnNode> share;
   const ExternalLoad before = loads.acting();
   for (std::size_t k = 0; k < before.nodes.size(); ++k)

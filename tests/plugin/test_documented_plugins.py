@@ -26,7 +26,8 @@ def call(*words):
 
 def test_the_page_shows_examples_of_each_kind():
     kinds = [kind for kind, _ in NAMES]
-    assert kinds == ["EOS", "MATERIAL", "MATERIAL", "EOS", "EOS", "SOLID", "EROSION", "CONTACT", "LOAD", "OBSERVER"]
+    assert kinds == ["EOS", "MATERIAL", "MATERIAL", "EOS", "EOS", "SOLID", "EROSION", "CONTACT", "LOAD", "OBSERVER",
+                     "OBSERVER"]
 
 
 @pytest.mark.parametrize("number", range(len(EXAMPLES)), ids=[name for _, name in NAMES])

@@ -152,7 +152,7 @@ def test_taylor_bar_has_the_same_bits(taylor, tmp_path, ranks, partitioner):
 
 
 def test_rebalancing_by_need_changes_no_bit(rod, tmp_path):
-    settings = ["balance.threshold=1.001", "balance.cooldown=5", "balance.check_interval=3", "balance.cost_factor=0",
+    settings = ["balance.policy={type: threshold, threshold: 1.001, cooldown: 5, check_interval: 3, cost_factor: 0}",
                 "output.results_interval=20 us"]
     results = run(ROD, tmp_path, 3, settings)
     assert len(results.summary["rebalances"]) > 2

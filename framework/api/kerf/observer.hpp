@@ -1,8 +1,8 @@
 // The contract of observers: what watches a run from inside, chosen under `observers` in the input.
 //
-// An observer sees the model through ObservedModel and changes nothing. It says when it wants to be called, fills
-// columns of its own in history.h5, reports numbers of its own in summary.json, and may keep numbers that restart files
-// carry. Plugins of kind "observer".
+// An observer sees the model through ObservedModel. It says when it wants to be called, fills columns of its own in
+// history.h5, reports numbers of its own in summary.json, and may keep numbers that restart files carry. It changes
+// nothing, but it may add forces to nodes, whose work and impulse are booked as external. Plugins of kind "observer".
 #pragma once
 
 #include <cstdint>
@@ -153,9 +153,23 @@ class ObservedModel {
   virtual std::vector<ObservedContact> contacts() = 0;
 };
 
+/// Takes the forces that an observer adds in a step.
+class ObservedForces {
+ public:
+  ObservedForces() = default;
+  ObservedForces(const ObservedForces&) = delete;
+  ObservedForces& operator=(const ObservedForces&) = delete;
+  virtual ~ObservedForces() = default;
+  /// Adds to the force of a node that this rank owns [N]; every rank that has a copy of the node gets it. Throws
+  /// std::runtime_error where another rank owns the node. A force that is not finite, or out of all proportion to what
+  /// the materials can bear, stops the run with the observer's name. Local.
+  virtual void add(int node, Vec3 newton) = 0;
+};
+
 /// What an observer wants of the loop. What nobody asks for costs nothing.
 struct ObserverCalls {
   bool before_forces = false, after_forces = false, after_step = false;  // in every cycle
+  bool forces = false;  // add_forces() in every cycle and before the first one
   bool reactions = false, contacts = false;  // keep the books that ObservedModel::reactions() and contacts() read
 };
 
@@ -185,6 +199,9 @@ class Observer : public Plugin {
   virtual std::vector<ObservedColumn> columns() const { return {}; }
   /// Positions, velocities of the step, no forces yet.
   virtual void before_forces(ObservedModel&) {}
+  /// Adds forces, beside the loads of the input. Positions are those of the end of the step, at which the forces act,
+  /// velocities those of its middle; the forces of the nodes are those of the elements alone.
+  virtual void add_forces(ObservedModel&, ObservedForces&) {}
   /// Forces of elements, loads and contact are there; what fails in this step is still alive.
   virtual void after_forces(ObservedModel&) {}
   /// The step is complete.

@@ -16,7 +16,7 @@
 namespace kerf {
 
 /// Number of the contract between engine and plugins; raised whenever a header in kerf/ changes meaning.
-inline constexpr int interface_version = 9;
+inline constexpr int interface_version = 10;
 
 /// Plain data that both sides compare before any call into a loaded library.
 struct Manifest {
@@ -154,6 +154,7 @@ class Registrar {
 #define KERF_CONTACT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "contact", name, summary))
 #define KERF_ELEMENT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "element", name, summary))
 #define KERF_PARTITIONER(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "partitioner", name, summary))
+#define KERF_BALANCE_POLICY(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "balance_policy", name, summary))
 #define KERF_MEASURE(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "measure", name, summary))
 #define KERF_BOUNDARY(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "boundary", name, summary))
 #define KERF_MESH(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "mesh", name, summary))

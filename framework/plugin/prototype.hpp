@@ -1,0 +1,18 @@
+// Laws that are written in Python, to try an idea before it is compiled.
+#pragma once
+
+#include <string>
+
+#include "core/diagnostics.hpp"
+#include "plugin/registry.hpp"
+
+namespace kerf {
+
+/// Whether a plugin's path names a file of laws in Python.
+bool is_prototype(const std::string& path);
+
+/// Registers the laws of a Python file. What is wrong with it goes to `diagnostics`. Its process lives as long as the
+/// registry or an object of it.
+void load_prototype(const std::string& path, Registry& registry, Diagnostics& diagnostics);
+
+}  // namespace kerf

@@ -1,0 +1,8 @@
+"""The inputs that come with Kerf: those that run, and those of `kerf drive`."""
+
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+ALL = sorted((SOURCE / "inputs").glob("*/*.yaml"))
+DRIVES = [path for path in ALL if "\npaths:" in path.read_text()]
+INPUTS = [path for path in ALL if path not in DRIVES]
