@@ -192,14 +192,15 @@ Node model_of_metal(const Node& parts) {
   return model;
 }
 
-/// Two bars that meet, shared out by the partitioner of the sample.
-Node model_of_partitioner(const TypeSample& s) {
+/// Two bars that meet, shared out by the partitioner of the sample, or whenever its policy says so.
+Node model_of_balance(const TypeSample& s) {
   Node parts;
   set_entry(parts, "flyer", bar("metal", s.settings.velocity, 0.0, 0.0, 4));
   set_entry(parts, "target", bar("metal", "", 4.0, 0.0, 6));
   Node model = model_of_metal(parts), partitioner = s.parameters;
   set_entry(partitioner, "type", text_node(s.name));
-  set_entry(model.find("balance")->value, "partitioner", partitioner);
+  if (s.kind == "balance_policy") set_entry(model, "balance", tree_of("{}"));
+  set_entry(model.find("balance")->value, s.kind == "partitioner" ? "partitioner" : "policy", partitioner);
   return model;
 }
 
@@ -275,11 +276,11 @@ void check_runs(const Registry& registry, const std::vector<const TypeSample*>& 
     if (is_law_kind(s->kind)) laws.push_back(s);
   run_laws(laws, place, out);
   for (const TypeSample* s : samples) {
-    if (s->kind != "partitioner" && s->kind != "element") continue;
+    if (s->kind != "partitioner" && s->kind != "balance_policy" && s->kind != "element") continue;
     out.begin(s->type());
     try {
       const bool shares = s->kind == "partitioner";
-      const Node model = shares ? model_of_partitioner(*s) : model_of_element(registry, *s);
+      const Node model = s->kind == "element" ? model_of_element(registry, *s) : model_of_balance(*s);
       const std::string name = s->kind + "_" + s->name;
       const RunFindings f = run_input(write_model(model, place, name), place, name, {});
       tell(f, out);

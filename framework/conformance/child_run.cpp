@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -31,6 +32,7 @@ int run_program(const std::vector<std::string>& words, const std::string& log, i
     const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     const int nothing = open("/dev/null", O_RDONLY);
     if (out < 0 || nothing < 0 || dup2(nothing, 0) < 0 || dup2(out, 1) < 0 || dup2(out, 2) < 0) _exit(126);
+    setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);  // ranks that wait leave the cores to others
     execv(pointers[0], pointers.data());
     _exit(127);
   }

@@ -46,7 +46,7 @@ void check_law(const Registry& registry, const TypeSample& sample, Verdicts& out
 }
 
 const char* what_a_sample_is(const std::string& kind) {
-  if (is_law_kind(kind) || kind == "mesh" || kind == "partitioner" || kind == "element")
+  if (is_law_kind(kind) || kind == "mesh" || kind == "partitioner" || kind == "balance_policy" || kind == "element")
     return "give its parameters in the file of --samples";
   return "name an input that uses it under `inputs` in the file of --samples";
 }

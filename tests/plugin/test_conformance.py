@@ -205,9 +205,10 @@ def test_mistakes_are_errors_of_the_input(wrong, words, said):
 
 
 @pytest.mark.parametrize("text, said", [
-    ("materials: {right: {}}", "samples.yaml:1:1: error: there is no kind of plugins called \"materials\"; did you mean "
-     "material?"),
-    ("material: {right: {conformance: {ordr: 2}}}", "samples.yaml:1:34: error: unknown key `ordr`; did you mean `order`?"),
+    ("materials: {right: {}}",
+     "samples.yaml:1:1: error: there is no kind of plugins called \"materials\"; did you mean material?"),
+    ("material: {right: {conformance: {ordr: 2}}}",
+     "samples.yaml:1:34: error: unknown key `ordr`; did you mean `order`?"),
     ("material: {right: 3}", "expected a map of its parameters"),
     ("inputs: {material: {right: {file: a.yaml}}}", "expected {input: FILE}"),
 ])
