@@ -48,7 +48,7 @@ void check_input(const std::vector<std::string>& types, const std::string& input
 
 /// The sentence of an exception, with the place of a law error left out.
 std::string sentence_of(const std::exception& e);
-/// The name of the first of the largest numbers, NaN before all; for sentences.
+/// Place of the largest number; NaN counts as larger than all.
 std::size_t worst_of(const std::vector<double>& values);
 
 }  // namespace kerf

@@ -64,8 +64,9 @@ def test_the_plugin_of_the_documentation_passes_every_check(good):
             "run_restart"} == set(rows["material.swift"])
 
 
-def test_an_observer_passes_with_an_input_of_its_own(good):
-    rows = verdicts(good.with_name("fastest_node.so"), HERE / "out_of_tree" / "samples.yaml")["observer.fastest_node"]
+@pytest.mark.parametrize("name", ["fastest_node", "spring_to_point"])
+def test_an_observer_passes_with_an_input_of_its_own(good, name):
+    rows = verdicts(good.with_name(name + ".so"), HERE / "out_of_tree" / "samples.yaml")[f"observer.{name}"]
     assert not failures(rows) and {"documentation", "migration", "run_restart"} == set(rows)
 
 
@@ -120,6 +121,8 @@ FOUND = {
     "partitioner.all_to_one": {},
     "partitioner.nowhere": {},
     "observer.forgets": {},
+    "observer.forgets_rows": {},
+    "observer.knows_ranks": {},
 }
 
 
@@ -141,6 +144,9 @@ def test_a_broken_promise_is_found_by_its_check_and_by_no_other(quick, name):
         "migration": "and one on a single rank differ in state_hash",
         "run_restart": "a run that 2 ranks take up half-way from the restart file of 3"}),
     ("observer.forgets", "wrong_parts", {"run_restart": "differ in observers"}),
+    ("observer.forgets_rows", "wrong_parts", {"run_restart": "differ in history.h5 (watch/steps)"}),
+    ("observer.knows_ranks", "wrong_parts", {"migration": "differ in history.h5 (watch/ranks)",
+                                             "run_restart": "differ in history.h5 (watch/ranks)"}),
     ("partitioner.all_to_one", "wrong_parts", {"balance": "3.00 times the mean work"}),
     ("partitioner.nowhere", "wrong_parts", {
         "migration": "the partitioner `nowhere` gives element 0 to rank 99; expected a rank from 0 to 1"}),

@@ -1,4 +1,6 @@
 // A mesh, a partitioner, an element's mesh and an observer that each break a promise.
+#include <cstdlib>
+
 #include <kerf/mesh.hpp>
 #include <kerf/observer.hpp>
 #include <kerf/partitioner.hpp>
@@ -77,6 +79,25 @@ struct Forgets final : Observer {
   double steps = 0.0;
 };
 
+/// The same, told in its table only.
+struct ForgetsRows final : Observer {
+  static void describe(Schema<ForgetsRows>& s) { describe_interval(s); }
+  ObserverCalls calls() const override { return {.after_step = true}; }
+  std::vector<ObservedColumn> columns() const override { return {{"steps", "-", "number of steps so far"}}; }
+  void after_step(ObservedModel&) override { steps += 1.0; }
+  void sample(ObservedModel&, std::span<double> row) override { row[0] = steps; }
+  double steps = 0.0;
+};
+
+/// A column that depends on the number of ranks.
+struct KnowsRanks final : Observer {
+  static void describe(Schema<KnowsRanks>& s) { describe_interval(s); }
+  std::vector<ObservedColumn> columns() const override { return {{"ranks", "-", "one, or more than one"}}; }
+  void sample(ObservedModel&, std::span<double> row) override {
+    row[0] = std::getenv("OMPI_COMM_WORLD_SIZE") ? 2.0 : 1.0;
+  }
+};
+
 }  // namespace
 
 KERF_REGISTER(KERF_TYPE(RightRow, "mesh", "right_row", "nothing is wrong with it")
@@ -87,4 +108,8 @@ KERF_REGISTER(KERF_TYPE(RightRow, "mesh", "right_row", "nothing is wrong with it
                                   KERF_TYPE(ChangesItsMind, "mesh", "changes_its_mind", "nodes that move when asked")
                                       KERF_TYPE(AllToOne, "partitioner", "all_to_one", "all work on one rank")
                                           KERF_TYPE(Nowhere, "partitioner", "nowhere", "owners that do not exist")
-                                              KERF_TYPE(Forgets, "observer", "forgets", "a sum that a restart loses"))
+                                              KERF_TYPE(Forgets, "observer", "forgets", "a sum that a restart loses")
+                                                  KERF_TYPE(ForgetsRows, "observer", "forgets_rows",
+                                                            "a sum that a restart loses")
+                                                      KERF_TYPE(KnowsRanks, "observer", "knows_ranks",
+                                                                "a column that depends on ranks"))
