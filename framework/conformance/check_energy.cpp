@@ -119,8 +119,9 @@ bool is_of_third_order(const SampleLaws& laws, const Finding& f, const Cycle& ha
   return f.share() < most_of_third_order * size && ratio > 0.35 && ratio < 0.65;
 }
 
-/// The cycle that creates most beyond what is allowed, if one does.
-Finding worst_cycle(const SampleLaws& laws, double scale, bool volume_only) {
+/// The cycle that creates most beyond what is allowed, if one does. `excused` becomes the greatest share of what is
+/// stored that is created in third order of the strain.
+Finding worst_cycle(const SampleLaws& laws, double scale, bool volume_only, double& excused) {
   const SampleSettings& s = laws.sample.settings;
   const auto cycles = cycles_of(scale * s.strain, scale * s.compression, volume_only),
              halves = cycles_of(0.5 * scale * s.strain, 0.5 * scale * s.compression, volume_only);
@@ -128,7 +129,10 @@ Finding worst_cycle(const SampleLaws& laws, double scale, bool volume_only) {
   for (std::size_t i = 0; i < cycles.size(); ++i) {
     const Finding f = finding_of(laws, cycles[i]);
     if (f.created <= f.allowed) continue;
-    if (std::isfinite(f.created) && is_of_third_order(laws, f, halves[i], size_of(cycles[i]))) continue;
+    if (std::isfinite(f.created) && is_of_third_order(laws, f, halves[i], size_of(cycles[i]))) {
+      excused = std::max(excused, f.share());
+      continue;
+    }
     if (!(f.created / f.allowed <= worst.created / std::max(worst.allowed, 1e-300))) worst = f;
   }
   return worst;
@@ -144,10 +148,11 @@ void check_energy(const Registry& registry, const TypeSample& sample, Verdicts& 
     out.note(check, "not asked: the criterion leaves the stress alone");
     return;
   }
+  double excused = 0.0;
   try {
     // Small ones, in which most laws are elastic, as well.
     for (const double scale : {0.02, 0.2, 1.0}) {
-      const Finding f = worst_cycle(laws, scale, sample.kind == "eos");
+      const Finding f = worst_cycle(laws, scale, sample.kind == "eos", excused);
       if (f.created <= f.allowed) continue;
       out.fail(check, fmt::format("{} leaves {:.3g} J/m3 less than none, though the error of the steps and of finite "
                                   "strain is {:.2g} J/m3 (of {:.3g} J/m3 stored on the way): the law makes energy; "
@@ -159,8 +164,12 @@ void check_energy(const Registry& registry, const TypeSample& sample, Verdicts& 
     out.fail(check, fmt::format("a cycle cannot be gone to its end: {}", sentence_of(e)));
     return;
   }
-  out.pass(check, fmt::format("{} closed cycles of strains at three sizes make no energy",
-                              cycles_of(1.0, 1.0, sample.kind == "eos").size()));
+  out.pass(check, fmt::format("{} closed cycles of strains at three sizes make no energy{}",
+                              cycles_of(1.0, 1.0, sample.kind == "eos").size(),
+                              excused > 0.0 ? fmt::format(" but of third order in the strain: up to {:.1e} of what is "
+                                                          "stored on the way",
+                                                          excused)
+                                            : ""));
 }
 
 }  // namespace kerf
