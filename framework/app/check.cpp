@@ -6,6 +6,7 @@
 
 #include "app/commands.hpp"
 #include "app/load_input.hpp"
+#include "core/activity.hpp"
 #include "core/diagnostics.hpp"
 #include "core/physics_error.hpp"
 #include "dynamics/simulation.hpp"
@@ -94,6 +95,7 @@ int check_command(const RunOptions& options, Registry& registry) {
   const bool root = rank_of(runtime.comm()) == 0;
   try {
     const auto input = load_input(runtime.comm(), options, registry);
+    const activity::Task task("setting up the model", {input->checks.stall_limit, "checks.stall_limit", exit_physics});
     if (root) print_meshes(*input);
     Simulation simulation(runtime.comm(), *input);
     const ObserverHost observers(simulation, *input);  // throws where one of them cannot start

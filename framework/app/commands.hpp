@@ -17,11 +17,11 @@ enum ExitCode : int {
   exit_signal = 4,  // stopped by a signal; can be resumed
 };
 
-/// What `run` and `check` are told. `plugins` are in the registry already when a command is called.
+/// What `run` and `check` are told. They load the plugins.
 struct RunOptions {
   std::string input, output;
   std::vector<std::string> overrides;  // "key.path=value"
-  std::vector<std::string> plugins;  // paths of shared libraries
+  std::vector<std::string> plugins;  // shared libraries, by path or by name
   bool resume = false;
   int ranks = 0;  // 0 where not given
 };
@@ -47,6 +47,10 @@ int describe_command(const Registry& registry, const std::vector<std::string>& n
 /// Conformance tests of the types that a library registers, or of all types of Kerf. Exit code 1 where one fails.
 int test_plugin_command(const TestPluginOptions& options, Registry& registry);
 int schema_command(const Registry& registry);
+/// Makes the folder NAME, inside of `folder`, with a plugin of the kind, its tests and its pages; where `python` names a
+/// file, with the declarations of its law of that kind.
+int new_plugin_command(const Registry& registry, const std::string& kind, const std::string& name,
+                       const std::string& folder, const std::string& python);
 int reference_command(const Registry& registry, const std::string& folder);
 
 /// Whether relaunch_under_mpirun() would start mpirun.

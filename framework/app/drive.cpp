@@ -8,6 +8,7 @@
 
 #include "app/commands.hpp"
 #include "app/load_input.hpp"
+#include "core/activity.hpp"
 #include "core/diagnostics.hpp"
 #include "core/physics_error.hpp"
 #include "drive/drive.hpp"
@@ -47,6 +48,7 @@ int drive_command(const RunOptions& options, Registry& registry, bool only_check
   const auto input = read_drive_input(options.input, bytes, options.overrides, registry);
   for (const std::string& warning : input->warnings) fmt::print(stderr, "{}\n", warning);
   const std::string input_folder = std::filesystem::path(options.input).parent_path().string();
+  const activity::Task task("driving laws", {activity::default_limit, "a fixed limit", exit_physics});
   std::vector<DrivenCurve> curves;
   try {
     curves = drive(*input, input_folder);

@@ -13,13 +13,13 @@
 #include <fstream>
 #include <sstream>
 
+#include "app/load_plugins.hpp"
+#include "core/activity.hpp"
 #include "core/diagnostics.hpp"
 #include "input/library.hpp"
-#include "input/named_plugins.hpp"
 #include "input/read_model.hpp"
 #include "kerf/measure.hpp"
 #include "parallel/communicator.hpp"
-#include "plugin/loader.hpp"
 
 namespace kerf {
 
@@ -78,15 +78,9 @@ void check_memory(MPI_Comm comm, const ModelInput& input, const std::string& nam
       name, n, largest->name, n * bytes_per_element * 1e-9, size_of(comm), size_of(comm) == 1 ? "" : "s")});
 }
 
-/// "file: error: sentence" as "file: sentence".
-std::string without_mark(std::string line) {
-  static const std::string mark = " error:";
-  const std::size_t at = line.find(mark);
-  return at == std::string::npos ? line : line.erase(at, mark.size());
-}
-
 std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& options, const Registry& registry,
                                   const FileReader& read, const std::vector<std::string>& library) {
+  const activity::Task task("reading the input", {activity::default_limit, "a fixed limit", exit_input_error});
   Diagnostics diagnostics;
   OriginMap origins;
   auto input = read_model_input(options.input, bytes, options.overrides, registry, diagnostics, origins, read, library);
@@ -103,28 +97,6 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Loads the plugins that the input names; what is wrong with them. A file that is named twice, or on the command line
-/// as well, is loaded once.
-std::vector<std::string> load_named_plugins(const std::string& bytes, const RunOptions& options, Registry& registry) {
-  const auto file_of = [](const std::string& path) {
-    std::error_code ignored;
-    return std::filesystem::weakly_canonical(path, ignored).string();
-  };
-  std::vector<std::string> loaded;
-  for (const std::string& path : options.plugins) loaded.push_back(file_of(path));
-  Diagnostics all;
-  for (const NamedPlugin& plugin : named_plugins(options.input, bytes, options.overrides)) {
-    const std::string file = file_of(plugin.path);
-    if (std::find(loaded.begin(), loaded.end(), file) != loaded.end()) continue;
-    loaded.push_back(file);
-    Diagnostics own;
-    load_plugin(plugin.path, registry, own);
-    for (const std::string& line : own.errors())
-      all.error(plugin.origin, fmt::format("`plugins`: {}", without_mark(line)));
-  }
-  return all.errors();
-}
-
 /// The library folders as rank 0 knows them: other machines may have another environment. Collective.
 std::vector<std::string> library_of_root(MPI_Comm comm) {
   std::string lines;
@@ -138,8 +110,7 @@ std::string read_with_plugins(const RunOptions& options, Registry& registry) {
   std::string failure;
   const std::string bytes = read_file(options.input, failure);
   if (!failure.empty()) throw InputError({failure});
-  if (const std::vector<std::string> errors = load_named_plugins(bytes, options, registry); !errors.empty())
-    throw InputError(errors);
+  load_plugins(wanted_plugins(options, bytes), registry);
   return bytes;
 }
 
@@ -164,8 +135,7 @@ std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options,
   failure = broadcast(comm, failure);
   if (!failure.empty()) throw InputError({failure});
   bytes = broadcast(comm, bytes);
-  const std::string trouble = fmt::format("{}", fmt::join(load_named_plugins(bytes, options, registry), "\n"));
-  if (const std::string first = first_text(comm, trouble); !first.empty()) throw InputError(lines_of(first));
+  load_plugins(comm, wanted_plugins(options, bytes), registry);
   const auto read_on_root = [comm](const std::string& path, std::string& trouble) {
     std::string text;
     if (rank_of(comm) == 0) text = read_text_file(path, trouble);

@@ -9,8 +9,10 @@
 #include "app/commands.hpp"
 #include "app/load_input.hpp"
 #include "core/diagnostics.hpp"
+#include "plugin/crash_report.hpp"
 #include "plugin/loader.hpp"
 #include "plugin/registry.hpp"
+#include "plugin/stall_watch.hpp"
 
 namespace kerf {
 namespace {
@@ -18,7 +20,7 @@ namespace {
 struct Arguments {
   RunOptions run;
   TestPluginOptions test;
-  std::string kind, folder;
+  std::string kind, name, folder, python;
   std::vector<std::string> names;
   bool markdown = false, only_check = false;
 };
@@ -82,6 +84,14 @@ void add_commands(CLI::App& app, Arguments& a) {
       ->type_name("FILE");
   test->add_option("--only", a.test.only, "only this type, or all of this kind")->type_name("KIND.NAME");
   add_repeatable(*test, "--check", a.test.checks, "CHECK", "only this check; may be repeated");
+  CLI::App* made = add_command(app, a, "new-plugin", "make a folder with a plugin to start from, its tests and pages");
+  made->add_option("KIND", a.kind, "kind of the plugin, for example material")->required()->type_name("");
+  made->add_option("NAME", a.name, "name of the new type and of the folder: lower-case words joined by _")
+      ->required()
+      ->type_name("");
+  made->add_option("--output", a.folder, "folder in which the folder NAME is made; by default the present one")
+      ->type_name("DIR");
+  made->add_option("--from", a.python, "file of laws in Python, of which one is to be translated")->type_name("LAW.py");
   add_command(app, a, "schema", "print the JSON schema of the input");
   add_command(app, a, "reference", "write the reference manual as Markdown")
       ->add_option("--output", a.folder, "folder to write to")
@@ -90,21 +100,22 @@ void add_commands(CLI::App& app, Arguments& a) {
 }
 
 int dispatch(const std::string& command, const Arguments& a, int argc, char** argv) {
+  load_limit();  // a wrong one is told before anything else
   Registry registry;
   register_builtin_plugins(registry);
-  Diagnostics diagnostics;
-  for (const std::string& path : a.run.plugins) load_plugin(path, registry, diagnostics);
-  diagnostics.throw_if_errors();
   if (command == "run" || command == "check") {
     if (needs_mpirun(a.run.ranks)) check_before_launch(a.run, registry);
     relaunch_under_mpirun(a.run.ranks, argc, argv);
+    return command == "run" ? run_command(a.run, registry) : check_command(a.run, registry);
   }
-  if (command == "run") return run_command(a.run, registry);
-  if (command == "check") return check_command(a.run, registry);
   if (command == "drive") return drive_command(a.run, registry, a.only_check);
+  Diagnostics diagnostics;
+  for (const std::string& path : a.run.plugins) load_plugin(path, registry, diagnostics);
+  diagnostics.throw_if_errors();
   if (command == "list") return list_command(registry, a.kind);
   if (command == "describe") return describe_command(registry, a.names, a.markdown);
   if (command == "test-plugin") return test_plugin_command(a.test, registry);
+  if (command == "new-plugin") return new_plugin_command(registry, a.kind, a.name, a.folder, a.python);
   if (command == "schema") return schema_command(registry);
   return reference_command(registry, a.folder);
 }
@@ -165,6 +176,8 @@ int run_program(int argc, char** argv) {
 }  // namespace kerf
 
 int main(int argc, char** argv) {
+  kerf::report_crashes();
+  kerf::watch_for_stalls();
   try {
     return kerf::run_program(argc, argv);
   } catch (const kerf::InputError& e) {

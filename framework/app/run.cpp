@@ -13,6 +13,7 @@
 
 #include "app/commands.hpp"
 #include "app/load_input.hpp"
+#include "core/activity.hpp"
 #include "core/diagnostics.hpp"
 #include "core/physics_error.hpp"
 #include "dynamics/simulation.hpp"
@@ -125,6 +126,8 @@ int run_to_end(MPI_Comm comm, const RunOptions& options, const std::string& fold
 
 int run(MPI_Comm comm, const RunOptions& options, Registry& registry) {
   const auto input = load_input(comm, options, registry);
+  const activity::Task task("setting up and computing",
+                            {input->checks.stall_limit, "checks.stall_limit", exit_physics});
   ReportSettings settings;
   settings.folder = output_folder(options);
   settings.input_name = options.input;

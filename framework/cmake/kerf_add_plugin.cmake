@@ -7,6 +7,28 @@
 # Where there is a folder of the same name beside the file, every FILE/*.cpp is compiled as well and becomes part of the
 # plugin: for code that is better compiled in several pieces.
 
+# The compile flags that change numbers or the layout of types: the manifest of a plugin tells them, and Kerf refuses a
+# plugin of others. Instruction sets and the C++ library are told by what the compiler defines.
+set(KERF_FLAGS_THAT_MATTER "^(-Ofast|-ffast-math|-ffp-contract=.*|-ffp-model=.*|-fexcess-precision=.*|-mfpmath=.*|\
+-f(no-)?(unsafe-math-optimizations|associative-math|reciprocal-math|finite-math-only|signed-zeros|math-errno|\
+trapping-math|rounding-math|signaling-nans|float-store|short-enums|short-wchar|exceptions|rtti)|-fpack-struct.*|\
+-fabi-version=.*|-malign-double|-mlong-double-.*|-mtune-ctrl=.*)$")
+
+# Sets `out` to the definition that tells the flags which CMake gives by itself, followed by those of a list, which may
+# be a generator expression.
+function(kerf_flags_definition out flags)
+  separate_arguments(given NATIVE_COMMAND "${CMAKE_CXX_FLAGS}")
+  foreach(config IN LISTS CMAKE_BUILD_TYPE CMAKE_CONFIGURATION_TYPES)
+    string(TOUPPER "${config}" upper)
+    separate_arguments(of_config NATIVE_COMMAND "${CMAKE_CXX_FLAGS_${upper}}")
+    foreach(flag IN LISTS of_config)
+      list(APPEND given "$<$<CONFIG:${config}>:${flag}>")
+    endforeach()
+  endforeach()
+  list(APPEND given ${flags})
+  set(${out} "KERF_COMPILE_FLAGS=\"$<JOIN:$<FILTER:${given},INCLUDE,${KERF_FLAGS_THAT_MATTER}>, >\"" PARENT_SCOPE)
+endfunction()
+
 define_property(GLOBAL PROPERTY KERF_PLUGIN_ENTRIES BRIEF_DOCS "registration functions of the built-in plugins")
 define_property(GLOBAL PROPERTY KERF_PLUGIN_TARGETS BRIEF_DOCS "object libraries of the built-in plugins")
 define_property(GLOBAL PROPERTY KERF_PLUGIN_LINKS BRIEF_DOCS "what the built-in plugins link with")
@@ -62,6 +84,8 @@ function(kerf_add_shared_plugin path stem pieces link)
                                            CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
   target_compile_definitions(${stem} PRIVATE KERF_PLUGIN_SHARED)
   target_compile_options(${stem} PRIVATE ${KERF_PLUGIN_COMPILE_OPTIONS})
+  kerf_flags_definition(flags "$<TARGET_PROPERTY:${stem},COMPILE_OPTIONS>")
+  target_compile_definitions(${stem} PRIVATE "${flags}")
   target_link_libraries(${stem} PRIVATE Kerf::api ${link})
   kerf_write_vectorisation("${path}" "${stem}")
 endfunction()

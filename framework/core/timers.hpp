@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <string_view>
 
+#include "core/activity.hpp"
+
 namespace kerf {
 
 /// A phase of a run that is timed.
@@ -34,6 +36,7 @@ class TimerName {
  public:
   consteval TimerName(const char* name) : index_(place_of(name)) {}
   constexpr std::size_t index() const { return index_; }
+  constexpr const char* name() const { return timer_table[index_].name; }
 
  private:
   static consteval std::size_t place_of(std::string_view name) {
@@ -48,10 +51,10 @@ class Timers {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Adds the time until it goes out of scope to one phase.
+  /// Adds the time until it goes out of scope to one phase, which is what the program is doing meanwhile.
   class Scope {
    public:
-    explicit Scope(double& total) : total_(total), start_(Clock::now()) {}
+    Scope(double& total, const char* name) : total_(total), start_(Clock::now()), phase_(name) {}
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
     ~Scope() { total_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
@@ -59,9 +62,10 @@ class Timers {
    private:
     double& total_;
     Clock::time_point start_;
+    activity::Phase phase_;
   };
 
-  Scope measure(TimerName phase) { return Scope(seconds_[phase.index()]); }
+  Scope measure(TimerName phase) { return Scope(seconds_[phase.index()], phase.name()); }
   double seconds(TimerName phase) const { return seconds_[phase.index()]; }
   /// Seconds per entry of timer_table.
   const std::array<double, std::size(timer_table)>& all() const { return seconds_; }

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/activity.hpp"
 #include "core/flush_denormals.hpp"
 #include "core/physics_error.hpp"
 #include "drive/reference.hpp"
@@ -93,6 +94,7 @@ class Driver {
       const double length = stops[s] - stops[s - 1];
       const auto n = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(length / most - 1e-6)));
       for (std::int64_t i = 1; i <= n; ++i) {
+        activity::beat();
         const double t = i == n ? stops[s] : stops[s - 1] + length * static_cast<double>(i) / static_cast<double>(n);
         cell.advance(motion.begin() + t);
         ++curve.steps;

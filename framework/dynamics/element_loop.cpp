@@ -73,11 +73,19 @@ std::int64_t lowest_inverted(const Model& model, const PartModel& part) {
   });
 }
 
-/// Size of an element's stress; infinite where it is no number.
+bool is_finite(const PartStore& store, PartStore::FieldIndex field, int slot) {
+  const auto& values = store.field(field);
+  bool finite = true;
+  for (int c = 0; c < values.n_components; ++c) finite &= std::isfinite(values.at(slot, c));
+  return finite;
+}
+
+/// Size of an element's stress; infinite where it is no number, or where what the element keeps of itself is none.
 double stress_size(const PartStore& store, int slot) {
   double sum = std::fabs(store.field(PartStore::pressure).at(slot, 0));
   for (int c = 0; c < 6; ++c) sum += std::fabs(store.field(PartStore::deviator).at(slot, c));
-  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+  const bool finite = std::isfinite(sum) && is_finite(store, PartStore::element_state, slot);
+  return finite ? sum : std::numeric_limits<double>::infinity();
 }
 
 std::int64_t most_stressed(const PartStore& store) {
@@ -85,6 +93,35 @@ std::int64_t most_stressed(const PartStore& store) {
   for (int slot = 0; slot < store.n_slots(); ++slot)
     if (store.live(slot)) most = std::max(most, stress_size(store, slot));
   return lowest_id(store, [&](int slot) { return stress_size(store, slot) == most; });
+}
+
+std::string described(const Law& law) {
+  return fmt::format("{} {} ({})", law.description->kind, law.type, law.description->origin);
+}
+
+/// Which law has given an element what is no finite number, as the end of a sentence; empty where nobody can tell. A
+/// deviator that is none spoils the energy, and with it the pressure: the material is asked first. Moduli are not kept,
+/// but the bulk viscosity, which the element keeps, is made of them.
+std::string law_at_fault(const PartModel& part, std::int64_t id) {
+  const PartStore& store = *part.store;
+  int slot = 0;
+  while (slot < store.n_slots() && !(store.live(slot) && store.id(slot) == id)) ++slot;
+  if (slot == store.n_slots()) return {};
+  const MaterialInput& laws = *part.material;
+  const bool deviator = is_finite(store, PartStore::deviator, slot),
+             pressure = is_finite(store, PartStore::pressure, slot);
+  if (!is_finite(store, PartStore::softening, slot))
+    return ": an erosion criterion of its material has given it a factor of stress that is no finite number";
+  const bool stress = deviator && pressure;
+  if (stress && is_finite(store, PartStore::element_state, slot)) return {};
+  if (laws.solid)
+    return fmt::format(": the {} has given it {} that is no finite number", described(*laws.solid),
+                       stress ? "a modulus" : "a stress");
+  if (!deviator)
+    return fmt::format(": the {} has given it a stress that is no finite number", described(*laws.strength));
+  if (!pressure) return fmt::format(": the {} has given it a pressure that is no finite number", described(*laws.eos));
+  return fmt::format(": the {} or the {} has given it a modulus that is no finite number", described(*laws.strength),
+                     described(*laws.eos));
 }
 
 template <class Real>
@@ -113,8 +150,9 @@ void collect(const Model& model, const PartModel& part, const ElementArrays<Real
         element_name(model, store.index(), report.trouble_id));
   } else if (w.bad_block >= 0) {
     report.trouble_id = most_stressed(store);
-    report.trouble = fmt::format("the forces of {} are not finite or beyond all bounds",
-                                 element_name(model, store.index(), report.trouble_id));
+    const std::string law = law_at_fault(part, report.trouble_id);
+    report.trouble = fmt::format("the forces of {} are not finite or beyond all bounds{}{}",
+                                 element_name(model, store.index(), report.trouble_id), law, law.empty() ? "" : ";");
   }
 }
 
@@ -128,8 +166,8 @@ void note(const Model& model, const PartModel& part, const LawError& e, ElementR
     if (id < 0 || store.id(slot) < id) id = store.id(slot);
   }
   report.trouble_id = id;
-  report.trouble = fmt::format("{} {} ({}) has thrown an exception for {}: {};", e.law->description->kind, e.law->type,
-                               e.law->description->origin, element_name(model, store.index(), id), e.what());
+  report.trouble = fmt::format("{} has thrown an exception for {}: {};", described(*e.law),
+                               element_name(model, store.index(), id), e.what());
 }
 
 /// Calls `work`, and takes note of what a law throws.

@@ -9,6 +9,7 @@
 #include <limits>
 #include <tuple>
 
+#include "core/activity.hpp"
 #include "core/diagnostics.hpp"
 #include "core/fixed_sum.hpp"
 #include "core/physics_error.hpp"
@@ -63,8 +64,11 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
     : input_(input), loads_(input), clock_(input.time), balancer_(input.balance) {
   const auto scope = timers_.measure("setup");
   create_parts(model_, comm, input);
+  activity::beat();
   generate_mesh(model_);
+  activity::beat();
   balancer_.distribute(model_);
+  activity::beat();
   for (const auto& law : input.contacts) {
     std::unique_ptr<SpatialDecomposition> space;
     if (model_.n_ranks() > 1) space = input.balance.contact_partitioner->spatial();
@@ -75,12 +79,15 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
   ledger_.open(model_);
   loads_.begin(model_);
   renumbered();
+  activity::beat();
 
   const ContactCover cover(model_);
   warnings_ = input.warnings;
   refuse_bad_start(cover);
+  activity::beat();
 
   at_start_.report = initialise_elements(model_);
+  activity::beat();
   sum_over_copies(model_, model_.nodes.force.data(), 4);
   at_start_.force.assign(model_.nodes.force.begin(), model_.nodes.force.end());
   start_forces();
@@ -249,6 +256,7 @@ void Simulation::run() {
   std::signal(SIGUSR1, &note_signal);  // which mpirun passes on, while SIGTERM makes it end its ranks
   while (clock_.running() && !signalled_) {
     const Step step = clock_.advance(reduction_.least_step);
+    activity::begin_cycle(step.cycle);
     last_limit_ = step.limit;
     last_id_ = reduction_.least_id;
     {

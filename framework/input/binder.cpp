@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/activity.hpp"
 #include "core/expression.hpp"
 #include "core/units.hpp"
 #include "input/curve_table.hpp"
 #include "input/number_list.hpp"
 #include "input/parameter_text.hpp"
 #include "input/substitute.hpp"
+#include "plugin/stall_watch.hpp"
 
 namespace kerf {
 namespace {
@@ -369,12 +371,29 @@ const Description* Binder::plugin_type(const Parameter& p, const Node& node, con
   return nullptr;
 }
 
+/// A new object of a type; nothing where its constructor has thrown, which is told where the input names the type.
+std::optional<Made> Binder::make(const Description& type, const Origin& where) {
+  const activity::Task task("making the " + type.kind + " " + type.name + " (" + type.origin + ")", load_limit());
+  std::string thrown = "something that is not a std::exception";
+  try {
+    return registry_.make(type.kind, type.name);
+  } catch (const std::exception& e) {
+    thrown = e.what();
+  } catch (...) {
+  }
+  diagnostics_.error(where, fmt::format("the constructor of the {} {} ({}) has thrown an exception: {}", type.kind,
+                                        type.name, type.origin, thrown));
+  return std::nullopt;
+}
+
 void Binder::bind_plugin(const Parameter& p, const Node& node, void* target, const std::string& key,
                          const std::string& path, const Origin& where) {
   origins_.add(path, where);
   const Description* description = plugin_type(p, node, where);
   if (!description) return;
-  Made made = registry_.make(p.plugin_kind, description->name);
+  std::optional<Made> made_or_not = make(*description, node.find("type")->value.origin);
+  if (!made_or_not) return;
+  Made& made = *made_or_not;
   made.plugin->origin = where.text();
   made.plugin->label = key;
   const std::size_t errors_before = diagnostics_.errors().size();

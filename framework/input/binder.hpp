@@ -1,6 +1,7 @@
 // Fills objects from nodes as their descriptions say, and reports everything that does not fit.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/diagnostics.hpp"
@@ -37,6 +38,7 @@ class Binder {
   void bind_text_map(const Parameter& p, const Node& node, void* target);
   void bind_list(const Parameter& p, const Node& node, void* target, const std::string& path);
   void bind_map(const Parameter& p, const Node& node, void* target, const std::string& path);
+  std::optional<Made> make(const Description& type, const Origin& where);
   void bind_plugin(const Parameter& p, const Node& node, void* target, const std::string& key, const std::string& path,
                    const Origin& where);
   void bind_curve(const Parameter& p, const Node& node, void* target);

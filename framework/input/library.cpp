@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "core/shared_folder.hpp"
 #include "input/parameter_text.hpp"
 #include "input/yaml_reader.hpp"
 
@@ -129,12 +130,6 @@ int n_common_words(const std::string& a, const std::string& b) {
   return n;
 }
 
-/// Where the running program is; empty where the system does not say.
-std::filesystem::path folder_of_program() {
-  std::error_code unknown;
-  return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
-}
-
 }  // namespace
 
 std::string MaterialSet::hash() const {
@@ -229,11 +224,7 @@ std::string MaterialLibrary::suggestion_for(const std::string& name) const {
 }
 
 std::vector<std::string> library_folders() {
-  const std::filesystem::path installed = folder_of_program() / ".." / "share" / "kerf" / "library";
-  std::error_code none;
-  std::vector<std::string> folders = {std::filesystem::is_directory(installed, none)
-                                          ? std::filesystem::weakly_canonical(installed, none).string()
-                                          : std::string(KERF_LIBRARY_OF_SOURCES)};
+  std::vector<std::string> folders = {shared_folder("share/kerf/library", KERF_LIBRARY_OF_SOURCES)};
   if (const char* own = std::getenv("KERF_LIBRARY")) {
     std::istringstream list(own);
     for (std::string folder; std::getline(list, folder, ':');)

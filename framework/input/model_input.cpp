@@ -211,6 +211,9 @@ void ChecksInput::describe(Schema<ChecksInput>& s) {
   s.real(&ChecksInput::maximum_speed, "maximum_speed", "m/s", positive,
          "the run stops when a node is faster than this; by default a hundred times the sound speed")
       .optional();
+  s.real(&ChecksInput::stall_limit, "stall_limit", "s", non_negative,
+         "the program stops when no phase of a cycle has come to an end for this time on the clock; 0 for no limit")
+      .by_default("600 s");
   s.choice(&ChecksInput::free_nodes, "free_nodes", {"keep", "drop", "drop_beyond"},
            "what becomes of nodes without live elements: point masses in contact, or dropped and accounted for")
       .by_default("drop");

@@ -128,7 +128,7 @@ struct OutputInput {
 };
 
 struct ChecksInput {
-  double energy_growth = 0.05, maximum_speed = 0.0, let_go = 0.01;
+  double energy_growth = 0.05, maximum_speed = 0.0, let_go = 0.01, stall_limit = 600.0;
   std::string free_nodes;
   double drop_distance = 0.0;
   static void describe(Schema<ChecksInput>& s);

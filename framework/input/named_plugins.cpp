@@ -22,7 +22,7 @@ std::vector<NamedPlugin> named_plugins(const std::string& file_name, const std::
   const std::filesystem::path folder = std::filesystem::path(file_name).parent_path();
   std::vector<NamedPlugin> all;
   const auto add = [&](const Node& node) {
-    if (node.is_scalar() && !node.text.empty()) all.push_back({(folder / node.text).string(), node.origin});
+    if (node.is_scalar() && !node.text.empty()) all.push_back({node.text, (folder / node.text).string(), node.origin});
   };
   add(key->value);
   for (const Node& item : key->value.items) add(item);

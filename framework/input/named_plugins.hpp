@@ -9,6 +9,7 @@
 namespace kerf {
 
 struct NamedPlugin {
+  std::string name;  // as it is written
   std::string path;  // as seen from the present folder
   Origin origin;
 };

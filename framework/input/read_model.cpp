@@ -28,6 +28,13 @@ bool names_a_parameter_within(const Node& node) {
 /// Whether an entry means the same as leaving its key out. Restart files from before the key existed still match then.
 bool is_default(const Entry& entry) { return entry.key == "precision" && entry.value.text == "double"; }
 
+/// The value of an entry; of `checks` without the limit of time on the clock, which computes nothing.
+Node without_limit(const Entry& entry) {
+  Node value = entry.value;
+  if (entry.key == "checks") std::erase_if(value.entries, [](const Entry& e) { return e.key == "stall_limit"; });
+  return value;
+}
+
 /// Of precision, materials, parts, joints, sets, initial states, boundaries, contacts, checks, loads, curves with the
 /// files that they name, the choice of the time step, and observers if one of them adds forces: what is computed. How
 /// long, how it is distributed and what is written may change at a restart.
@@ -36,7 +43,10 @@ std::string physics_digest(const Node& root, const std::vector<std::string>& fil
   if (const Entry* observers = root.find("observers"); observers && observers_act) hash.add(observers->value);
   for (const char* key : {"precision", "materials", "parts", "joined", "sets", "initial_state", "boundaries",
                           "contacts", "checks", "loads", "curves"})
-    if (const Entry* entry = root.find(key); entry && !is_default(*entry)) hash.add(entry->value);
+    if (const Entry* entry = root.find(key); entry && !is_default(*entry)) {
+      const Node value = without_limit(*entry);
+      if (!value.is_map() || !value.entries.empty() || entry->value.entries.empty()) hash.add(value);
+    }
   if (const Entry* time = root.find("time"))
     for (const Entry& entry : time->value.entries)
       if (entry.key != "end" && entry.key != "maximum_cycles") {

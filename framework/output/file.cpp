@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "core/activity.hpp"
 #include "output/collective.hpp"
 
 namespace kerf {
@@ -83,6 +84,7 @@ void File::fail(const char* what) const { fail_on(what, path_); }
 
 void File::write_at(std::uint64_t place, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
+    activity::beat();
     const ssize_t n = unbroken([&] { return ::pwrite(id_, bytes.data(), bytes.size(), static_cast<off_t>(place)); });
     if (n == 0) errno = ENOSPC;
     if (n <= 0) fail("write");
@@ -110,6 +112,7 @@ void File::append(const std::string& text) {
 
 void File::read_at(std::uint64_t place, std::span<std::byte> bytes) const {
   while (!bytes.empty()) {
+    activity::beat();
     const ssize_t n = unbroken([&] { return ::pread(id_, bytes.data(), bytes.size(), static_cast<off_t>(place)); });
     if (n < 0) fail("read");
     if (n == 0) throw std::runtime_error("cannot read \"" + path_ + "\": it ends too early");

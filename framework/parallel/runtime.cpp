@@ -3,6 +3,9 @@
 
 #include <Tpetra_Core.hpp>
 
+#include "core/activity.hpp"
+#include "parallel/communicator.hpp"
+
 namespace kerf {
 
 struct ParallelRuntime::Guard {
@@ -16,6 +19,7 @@ ParallelRuntime::ParallelRuntime(int& argc, char**& argv) {
   MPI_Initialized(&initialised);
   if (!initialised) MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   guard_ = std::make_unique<Guard>(argc, argv);
+  if (size_of(comm()) > 1) activity::rank = rank_of(comm());
 }
 
 ParallelRuntime::~ParallelRuntime() {

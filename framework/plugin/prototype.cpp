@@ -253,25 +253,21 @@ void add_law(const nlohmann::json& law, const std::shared_ptr<const PrototypeTyp
 
 bool is_prototype(const std::string& path) { return path.ends_with(".py"); }
 
-void load_prototype(const std::string& path, Registry& registry, Diagnostics& diagnostics) {
-  try {
-    const auto host = std::make_shared<PrototypeHost>(path);
-    for (std::size_t i = 0; i < host->laws().size(); ++i) {
-      const nlohmann::json& law = host->laws()[i];
-      auto of = std::make_shared<PrototypeType>();
-      of->host = host;
-      of->law = static_cast<int>(i);
-      of->inputs = law.at("inputs");
-      of->uses_energy = law.at("uses_energy");
-      of->softens = law.at("softens");
-      const std::string kind = law.at("kind");
-      if (kind == "material") add_law<PrototypeMaterial>(law, of, path, registry);
-      if (kind == "solid") add_law<PrototypeSolid>(law, of, path, registry);
-      if (kind == "eos") add_law<PrototypeEos>(law, of, path, registry);
-      if (kind == "erosion") add_law<PrototypeErosion>(law, of, path, registry);
-    }
-  } catch (const std::exception& e) {
-    diagnostics.error(path, e.what());
+void load_prototype(const std::string& path, Registry& registry) {
+  const auto host = std::make_shared<PrototypeHost>(path);
+  for (std::size_t i = 0; i < host->laws().size(); ++i) {
+    const nlohmann::json& law = host->laws()[i];
+    auto of = std::make_shared<PrototypeType>();
+    of->host = host;
+    of->law = static_cast<int>(i);
+    of->inputs = law.at("inputs");
+    of->uses_energy = law.at("uses_energy");
+    of->softens = law.at("softens");
+    const std::string kind = law.at("kind");
+    if (kind == "material") add_law<PrototypeMaterial>(law, of, path, registry);
+    if (kind == "solid") add_law<PrototypeSolid>(law, of, path, registry);
+    if (kind == "eos") add_law<PrototypeEos>(law, of, path, registry);
+    if (kind == "erosion") add_law<PrototypeErosion>(law, of, path, registry);
   }
 }
 

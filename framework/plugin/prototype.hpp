@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "core/diagnostics.hpp"
 #include "plugin/registry.hpp"
 
 namespace kerf {
@@ -11,8 +10,8 @@ namespace kerf {
 /// Whether a plugin's path names a file of laws in Python.
 bool is_prototype(const std::string& path);
 
-/// Registers the laws of a Python file. What is wrong with it goes to `diagnostics`. Its process lives as long as the
-/// registry or an object of it.
-void load_prototype(const std::string& path, Registry& registry, Diagnostics& diagnostics);
+/// Registers the laws of a Python file. Throws std::exception with what is wrong with it. Its process lives as long as
+/// the registry or an object of it.
+void load_prototype(const std::string& path, Registry& registry);
 
 }  // namespace kerf

@@ -14,24 +14,15 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "core/shared_folder.hpp"
+
 extern char** environ;
 
 namespace kerf {
 
 namespace {
 
-std::filesystem::path folder_of_program() {
-  std::error_code none;
-  return std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
-}
-
-/// Of the installation of the running program or, in a build tree, of the sources.
-std::string host_script() {
-  const std::filesystem::path installed = folder_of_program() / ".." / "share" / "kerf" / "python" / "law_host.py";
-  std::error_code none;
-  return std::filesystem::exists(installed, none) ? installed.string()
-                                                  : std::string(KERF_PYTHON_OF_SOURCES) + "/law_host.py";
-}
+std::string host_script() { return shared_folder("share/kerf/python", KERF_PYTHON_OF_SOURCES) + "/law_host.py"; }
 
 std::string python_program() {
   if (const char* given = std::getenv("KERF_PYTHON"); given != nullptr && *given != '\0') return given;

@@ -66,10 +66,11 @@ FILES = {
     "path through a file": (["case.yaml/case.yaml"],
                             "case.yaml/case.yaml: error: the input file cannot be read: Not a directory"),
     "absent plugin": (["case.yaml", "--plugin", "laws.so"],
-                      "laws.so: error: there is no such plugin file; expected the path of a shared library (.so)"),
+                      "laws.so: error: there is no such plugin file; looked for laws.so; expected a shared library "
+                      "(.so), by its path or by its name in a folder of KERF_PLUGIN_PATH"),
     "plugin that is no library": (["case.yaml", "--plugin", "case.yaml"],
-                                  "case.yaml: error: cannot be loaded as a plugin: ./case.yaml: invalid ELF header; "
-                                  "rebuild it with this Kerf's headers and libraries"),
+                                  "case.yaml: error: is a file of another kind, not a shared library; name the .so "
+                                  "file that kerf_add_plugin() has made"),
     "nothing to resume from": (["case.yaml", "--resume", "--output", "new"],
                                "new/restart/restart.h5: error: there is no restart file to resume from; a run writes "
                                "one at its end (unless output.restart_at_end is false), when a signal stops it and, if "

@@ -1,24 +1,12 @@
 """Building a plugin as its author would, against the tree that the tests run."""
 
 import json
-import os
-import subprocess
 from pathlib import Path
 
+from plugin_compiler import BUILD, KERF, SOURCE, cached, call, compile_library, flags
+
+__all__ = ["BUILD", "HERE", "KERF", "SOURCE", "build", "cached", "call", "compile_library", "flags", "run"]
 HERE = Path(__file__).resolve().parent
-SOURCE = HERE.parents[1]
-BUILD = Path(os.environ.get("KERF_BUILD_DIR", SOURCE / "build")).resolve()
-KERF = BUILD / "bin" / "kerf"
-
-
-def cached(name):
-    """A variable of the CMake cache that Kerf was built with."""
-    lines = (BUILD / "CMakeCache.txt").read_text().splitlines()
-    return next(line.split("=", 1)[1] for line in lines if line.startswith(name + ":"))
-
-
-def call(*words, cwd=None):
-    return subprocess.run([str(w) for w in words], cwd=cwd, capture_output=True, text=True, timeout=600)
 
 
 def build(source, folder, library):

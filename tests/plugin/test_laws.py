@@ -7,15 +7,13 @@ import h5py
 import numpy as np
 import pytest
 
-from test_out_of_tree import KERF, SOURCE, cached, call, compile_library
-
-VERSION = call(KERF, "--version").stdout.split()[1] if KERF.exists() else ""
+from plugin_case import KERF, SOURCE, cached, call, compile_library
 
 
 def library(folder, name, source):
     path = folder / f"{name}.cpp"
     path.write_text(source)
-    return compile_library(path, folder / f"{name}.so", f'-DKERF_VERSION="{VERSION}"', "-O1")
+    return compile_library(path, folder / f"{name}.so", "-O1")
 
 
 # ---- exceptions

@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from test_documented_plugins import EXAMPLES, KERF, NAMES, SOURCE, cached, call
+from plugin_case import KERF, call, compile_library
+from test_documented_plugins import EXAMPLES, NAMES
 
 # Loads that a test needs: uniform tractions, forces that know where they are, and faults.
 LOADS = r"""
@@ -66,12 +67,7 @@ CASE = {
 
 def compiled(source, folder, name):
     (folder / f"{name}.cpp").write_text(source)
-    version = call(KERF, "--version").stdout.split()[1]
-    done = call(cached("CMAKE_CXX_COMPILER"), "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off",
-                "-Wno-unknown-pragmas", "-shared", "-fPIC", "-DKERF_PLUGIN_SHARED", f'-DKERF_VERSION="{version}"',
-                f"-I{SOURCE / 'framework' / 'api'}", folder / f"{name}.cpp", "-o", folder / f"{name}.so")
-    assert done.returncode == 0, done.stderr
-    return folder / f"{name}.so"
+    return compile_library(folder / f"{name}.cpp", folder / f"{name}.so", "-O1", "-Werror")
 
 
 @pytest.fixture(scope="module")

@@ -46,8 +46,8 @@ def test_a_resumed_run_loads_them_again(folder):
 @pytest.mark.parametrize("ranks", [1, 3])
 @pytest.mark.parametrize("path, said", [
     ("absent.so", "there is no such plugin file"),
-    ("named.yaml", "cannot be loaded as a plugin"),
-    ("lib", "there is no such plugin file"),
+    ("named.yaml", "is a file of another kind, not a shared library"),
+    ("lib", "is a folder, not a shared library"),
 ])
 def test_what_is_no_plugin_is_told_at_its_place(folder, path, said, ranks):
     named = f"\n  - lib/swift_material.so\n  - {path}"

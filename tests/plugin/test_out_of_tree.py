@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from plugin_case import BUILD, HERE, KERF, SOURCE, build, cached, call, run
+from plugin_case import HERE, KERF, build, call, compile_library, run
 
 # A Taylor test: the bar flies against a rigid wall and is upset there.
 CASE = """
@@ -33,13 +33,6 @@ boundaries:
   - {type: rigid_wall, point: "[0, 0, 0] m", normal: "[1, 0, 0]"}
 output: {precision: double, results_interval: 5 us, element_fields: [von_mises, effective_plastic_strain]}
 """
-
-
-def compile_library(source, library, *flags):
-    done = call(cached("CMAKE_CXX_COMPILER"), "-std=c++20", "-shared", "-fPIC", "-DKERF_PLUGIN_SHARED",
-                f"-I{SOURCE / 'framework' / 'api'}", *flags, source, "-o", library)
-    assert done.returncode == 0, done.stderr
-    return library
 
 
 @pytest.fixture(scope="module")
@@ -137,30 +130,29 @@ def test_without_the_plugin_its_type_is_unknown(case):
     assert 'there is no material of type "swift"' in done.stderr
 
 
-def test_a_plugin_of_another_version_is_refused(tmp_path):
-    library = compile_library(HERE / "out_of_tree" / "swift_material.cpp", tmp_path / "old.so",
+def test_a_plugin_of_another_version_with_the_same_interface_loads(tmp_path):
+    library = compile_library(HERE / "out_of_tree" / "swift_material.cpp", tmp_path / "old.so", "-UKERF_VERSION",
                               '-DKERF_VERSION="0.0.1"')
     done = call(KERF, "list", "--plugin", library)
-    assert done.returncode == 2 and done.stdout == ""
-    assert "does not fit this Kerf: Kerf's version is \"0.0.1\" in the plugin and" in done.stderr
-    assert "rebuild the plugin with this Kerf's headers and the same compiler" in done.stderr
+    assert done.returncode == 0, done.stderr
+    assert "swift" in done.stdout
 
 
 def test_a_plugin_of_another_interface_is_refused_with_every_difference(tmp_path):
     source = tmp_path / "foreign.cpp"
     source.write_text("""
 #include <kerf/plugin.hpp>
-extern "C" kerf::Manifest kerf_plugin_manifest() {
-  kerf::Manifest m = kerf::this_manifest();
-  m.interface += 1;
-  m.lane_width = 4;
-  return m;
+extern "C" {
+extern const char kerf_plugin_manifest_text[] = "interface=11\\nkerf=9.9\\nflags=-ffast-math\\nlane_width=4\\n";
 }
-extern "C" void kerf_plugin_register(kerf::Registrar&) { __builtin_trap(); }
+extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf::Registrar&) { __builtin_trap(); }
 """)
-    done = call(KERF, "list", "--plugin", compile_library(source, tmp_path / "foreign.so"))
+    done = call(KERF, "list", "--plugin", compile_library(source, tmp_path / "foreign.so", "-fvisibility=default"))
     assert done.returncode == 2
-    assert "the interface version is" in done.stderr and "the lane width is 4 in the plugin and 8 here" in done.stderr
+    for text in ("the interface version is 11 in the plugin and 10 here",
+                 "the lane width is 4 in the plugin and 8 here",
+                 "Kerf's version is \"9.9\" in the plugin and"):
+        assert text in done.stderr
 
 
 def test_a_library_that_is_no_plugin_is_refused(tmp_path):
@@ -174,7 +166,7 @@ def test_a_library_that_is_no_plugin_is_refused(tmp_path):
 def test_a_file_that_is_no_library_is_refused(case):
     done = call(KERF, "list", "--plugin", case)
     assert done.returncode == 2
-    assert "cannot be loaded as a plugin" in done.stderr
+    assert "is a file of another kind, not a shared library" in done.stderr
 
 
 def test_a_missing_library_is_named(tmp_path):
@@ -186,9 +178,7 @@ def test_a_missing_library_is_named(tmp_path):
 def test_the_same_name_twice_names_both_origins(plugin, tmp_path):
     twin = tmp_path / "twin.cpp"
     twin.write_text((HERE / "out_of_tree" / "swift_material.cpp").read_text())
-    version = next(line.split('"')[1] for line in (BUILD / "KerfConfigVersion.cmake").read_text().splitlines()
-                   if line.startswith("set(PACKAGE_VERSION "))
-    library = compile_library(twin, tmp_path / "twin.so", f'-DKERF_VERSION="{version}"')
+    library = compile_library(twin, tmp_path / "twin.so")
     done = call(KERF, "list", "--plugin", plugin, "--plugin", library)
     assert done.returncode == 2
     assert 'two plugins of kind material are called "swift"' in done.stderr
@@ -304,8 +294,7 @@ struct Astray final : kerf::Observer {
 };
 KERF_OBSERVER(Astray, "astray", "calls a collective function on one rank only")
 """)
-    version = call(KERF, "--version").stdout.split()[1]
-    library = compile_library(source, tmp_path / "astray.so", f'-DKERF_VERSION="{version}"')
+    library = compile_library(source, tmp_path / "astray.so")
     words = (KERF, "run", observed, "--plugin", library, "--set", "observers.quick.type=astray")
     alone = call(*words, "--output", tmp_path / "one", cwd=tmp_path)
     assert alone.returncode == 0, alone.stderr

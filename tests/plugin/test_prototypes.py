@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from plugin_case import KERF, call
+from plugin_case import KERF, build, call
 
 SOURCE = Path(__file__).resolve().parents[2]
 LAWS = '''import numpy as np
@@ -211,3 +211,41 @@ def test_two_laws_of_one_name_are_refused(laws, tmp_path):
     (tmp_path / "laws.py").write_text(LAWS.replace("    c0 = real(", "    name = 'linear'\n    c0 = real("))
     done = call(KERF, "list", "--plugin", laws)
     assert done.returncode == 2 and 'two plugins of kind eos are called "linear"' in done.stderr
+
+
+# ---- to C++
+
+@pytest.mark.parametrize("kind, name, law", [("material", "compiled", "my_elastic_plastic"),
+                                             ("solid", "compiled_solid", "maxwell"),
+                                             ("eos", "compiled_eos", "my_gruneisen"),
+                                             ("erosion", "compiled_strain", "my_plastic_strain")])
+def test_a_skeleton_has_the_same_declarations_and_refuses_to_run(laws, tmp_path, kind, name, law):
+    done = call(KERF, "new-plugin", kind, name, "--from", laws, "--output", tmp_path)
+    assert done.returncode == 0, done.stderr
+    library = build(tmp_path / name, tmp_path / "build", f"{name}.so")
+
+    def described(what, plugin):
+        text = call(KERF, "describe", kind, what, "--plugin", plugin).stdout
+        return text[text.index("\n\n"):]
+
+    assert described(name, library) == described(law, laws)
+    assert "is not written yet" in (tmp_path / name / f"{name}.cpp").read_text()
+    done = call("ctest", "--test-dir", tmp_path / "build", "-R", "describe|page", "--no-tests=error")
+    assert done.returncode == 0, done.stdout
+
+
+def test_a_skeleton_that_is_not_written_stops_at_once(laws, tmp_path):
+    assert call(KERF, "new-plugin", "material", "compiled", "--from", laws, "--output", tmp_path).returncode == 0
+    library = build(tmp_path / "compiled", tmp_path / "build", "compiled.so")
+    done = drive(tmp_path, {"m": material("compiled", "my_plastic_strain")},
+                 [{"type": "simple_shear", "strains": [0, 0.1], "rate": 1}], "--plugin", library)
+    assert done.returncode == 2 and "compiled: update_point is not written yet" in done.stderr, done.stderr
+
+
+def test_what_cannot_become_a_skeleton_is_told(laws, tmp_path):
+    done = call(KERF, "new-plugin", "load", "mine", "--from", laws, "--output", tmp_path)
+    assert done.returncode == 1 and "a load cannot be written in Python" in done.stderr
+    laws.write_text(LAWS.replace("class MyGruneisen(Eos)", "class MyMaterial(Material)").replace("evaluate", "update"))
+    done = call(KERF, "new-plugin", "material", "mine", "--from", laws, "--output", tmp_path)
+    assert done.returncode == 1 and "expected one of my_elastic_plastic or my_material as the name" in done.stderr
+    assert not (tmp_path / "mine").exists()

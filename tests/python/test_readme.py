@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from plugin_compiler import compile_library
+
 SOURCE = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("KERF_BUILD_DIR", SOURCE / "build")).resolve()
 KERF = os.environ.get("KERF_BINARY", str(BUILD / "bin" / "kerf"))
@@ -72,13 +74,7 @@ def test_every_case_is_named():
 def test_the_plugin_compiles_and_is_described(tmp_path):
     source, library = tmp_path / "shear_stress.cpp", tmp_path / "shear_stress.so"
     source.write_text(re.search(r"^```cpp\n(.*?)^```", README, re.MULTILINE | re.DOTALL).group(1))
-    cache = (BUILD / "CMakeCache.txt").read_text()
-    compiler = re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache, re.MULTILINE).group(1)
-    version = call(KERF, "--version").stdout.split()[1]
-    done = call(compiler, "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unknown-pragmas", "-shared",
-                "-fPIC", "-DKERF_PLUGIN_SHARED", f'-DKERF_VERSION="{version}"',
-                f"-I{SOURCE / 'framework' / 'api'}", source, "-o", library)
-    assert done.returncode == 0, done.stderr
+    compile_library(source, library, "-O1", "-Werror")
     done = call(KERF, "describe", "shear_stress", "--plugin", library)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("shear_stress (erosion): largest shear stress reaches a limit")

@@ -286,18 +286,21 @@ TEST_F(Binding, describes_what_it_binds) {
 TEST_F(Binding, loader_refuses_what_is_no_plugin) {
   load_plugin("no_such_file.so", registry, diagnostics);
   EXPECT_EQ(diagnostics.errors(),
-            Lines{"no_such_file.so: error: there is no such plugin file; expected the path of a shared library (.so)"});
+            Lines{"no_such_file.so: error: there is no such plugin file; looked for no_such_file.so; expected a shared "
+                  "library (.so), by its path or by its name in a folder of KERF_PLUGIN_PATH"});
 }
 
-TEST(Manifest, names_what_differs) {
-  Manifest theirs = this_manifest();
-  EXPECT_EQ(manifest_difference(theirs, this_manifest()), "");
-  theirs.interface = interface_version + 1;
-  theirs.size_of_plugin = 1;
-  EXPECT_EQ(manifest_difference(theirs, this_manifest()),
-            "the interface version is " + std::to_string(interface_version + 1) + " in the plugin and " +
-                std::to_string(interface_version) + " here; the size of Plugin is 1 in the plugin and " +
-                std::to_string(sizeof(Plugin)) + " here");
+struct Fragile final : Law {
+  Fragile() { throw std::runtime_error("the table is missing"); }
+  static void describe(Schema<Fragile>&) {}
+};
+
+TEST_F(Binding, a_constructor_that_throws_is_told_where_the_type_is_named) {
+  registry.add_type<Fragile>("law", "fragile", "throws", "fragile.cpp");
+  EXPECT_EQ(
+      errors("inner:\n  law:\n    type: fragile\n"),
+      Lines{"a.yaml:4:11: error: the constructor of the law fragile (fragile.cpp) has thrown an exception: the table "
+            "is missing"});
 }
 
 }  // namespace

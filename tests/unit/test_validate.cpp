@@ -82,6 +82,11 @@ struct NoSpace final : Partitioner {
   std::vector<int> partition(const PartitionProblem&) override { return {}; }
 };
 
+struct Still final : BalancePolicy {
+  static void describe(Schema<Still>&) {}
+  std::int64_t check_interval() const override { return 0; }
+  bool move(const BalanceState&) override { return false; }
+};
 struct OneRank final : Partitioner {
   std::unique_ptr<SpatialDecomposition> spatial() const override { return std::make_unique<Everything>(); }
   static void describe(Schema<OneRank>&) {}
@@ -113,6 +118,7 @@ class Validate : public testing::Test {
     registry.add_type<SmallBrick>("element", "small_brick", "", "");
     registry.add_type<Pyramid>("element", "pyramid", "", "");
     registry.add_type<OneRank>("partitioner", "zoltan_rcb", "", "");
+    registry.add_type<Still>("balance_policy", "threshold", "", "");
     registry.add_type<NoSpace>("partitioner", "no_space", "", "");
     registry.add_type<Speed>("measure", "speed", "", "");
     registry.add_type<Clamp>("boundary", "clamp", "", "");

@@ -45,3 +45,5 @@ class BalancePolicy : public Plugin {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(balance_policy, KERF_SIZE(BalanceMove), KERF_SIZE(BalanceState), KERF_SIZE(BalancePolicy))

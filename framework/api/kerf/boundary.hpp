@@ -81,3 +81,6 @@ class NamedNodesBoundary : public Boundary {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(boundary, KERF_SIZE(BoundaryNode), KERF_SIZE(BoundaryStep), KERF_SIZE(MeshScale), KERF_SIZE(HalfSpace),
+           KERF_SIZE(Boundary), KERF_SIZE(NamedNodesBoundary))

@@ -159,3 +159,7 @@ class Contact : public Plugin {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(contact, KERF_SIZE(ContactRow), KERF_SIZE(ContactView), KERF_SIZE(ContactTouch), KERF_SIZE(ContactTouches),
+           KERF_SIZE(ContactTouches::LetGo), KERF_SIZE(ContactResponse), KERF_SIZE(ContactRequest),
+           KERF_SIZE(FacetBounds), KERF_SIZE(Contact))

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "kerf/sizes.hpp"
+
 namespace kerf {
 
 /// A piecewise linear function of time without a unit. Outside of its points it is constant, or repeats itself. A
@@ -59,3 +61,5 @@ inline double value_of(const Curve* curve, double time) { return curve != nullpt
 inline double greatest_of(const Curve* curve) { return curve != nullptr ? curve->greatest() : 1.0; }
 
 }  // namespace kerf
+
+KERF_SIZES(curve, KERF_SIZE(Curve))

@@ -142,3 +142,6 @@ class Element : public Law {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(element, KERF_SIZE(ErosionJudge), KERF_SIZE(ReadSource), KERF_SIZE(LawAccess), KERF_SIZE(ForceScale),
+           KERF_SIZE(ElementWork), KERF_SIZE(SingleElementWork), KERF_SIZE(Element))

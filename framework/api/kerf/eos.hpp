@@ -74,6 +74,7 @@ class PointwiseEos : public detail::PointwiseLaw<LawType, Eos> {
     if constexpr (n_doubles < Reads >> 0) reads.read(b.reads);
     const double reference_density = b.reference_density, dt = b.dt, time = b.time;
     const auto& law = static_cast<const LawType&>(*this);
+    detail::LaneErrors errors;
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
       EosInputWith<inputs> in;
@@ -85,7 +86,7 @@ class PointwiseEos : public detail::PointwiseLaw<LawType, Eos> {
       detail::set_asked<inputs>(in, b, l);
       State point = state.at(l);
       EosOutput out;
-      detail::in_lane(
+      errors.guard(
           l, [&]() __attribute__((always_inline)) {
             if constexpr (n_doubles < Reads >> 0)
               out = law.evaluate_point(in, reads.at(l), point);
@@ -98,6 +99,7 @@ class PointwiseEos : public detail::PointwiseLaw<LawType, Eos> {
     };
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) one_point(l);
+    errors.throw_first();
     for (int l = 0; l < lane_width; ++l) {
       b.pressure[l] = pressure[l];
       b.bulk_modulus[l] = modulus[l];
@@ -108,3 +110,5 @@ class PointwiseEos : public detail::PointwiseLaw<LawType, Eos> {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(eos, KERF_SIZE(EosInput), KERF_SIZE(EosOutput), KERF_SIZE(EosBatch), KERF_SIZE(Eos))

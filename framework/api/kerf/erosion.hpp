@@ -127,6 +127,7 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
     state.read(b.state);
     reads.read(b.reads);
     const auto& law = static_cast<const LawType&>(*this);
+    detail::LaneErrors errors;
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
       ErosionInputWith<inputs> in;
@@ -143,7 +144,7 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
       in.time_step = rest[3][l];
       State point = state.at(l);
       Verdict verdict;
-      detail::in_lane(
+      errors.guard(
           l, [&]() __attribute__((always_inline)) {
             if constexpr (std::is_void_v<Form>)
               verdict = law.judge_point(in, reads.at(l), point);
@@ -161,6 +162,7 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
     };
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) one_point(l);
+    errors.throw_first();
     state.write(b.state);
     for (int l = 0; l < lane_width; ++l) {
       b.value[l] = value[l];
@@ -181,3 +183,6 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
 };
 
 }  // namespace kerf
+
+KERF_SIZES(erosion, KERF_SIZE(ErosionInputPoint), KERF_SIZE(Verdict), KERF_SIZE(ErosionBatch),
+           KERF_SIZE(NonLocalAverage), KERF_SIZE(ErosionCriterion))

@@ -242,3 +242,5 @@ class Expression {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(expression, KERF_SIZE(Expression), KERF_SIZE(Expression::Instruction))

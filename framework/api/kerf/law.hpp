@@ -230,15 +230,40 @@ class LaneError : public std::runtime_error {
   LaneError(int in_lane, const std::string& what) : std::runtime_error(what), lane(in_lane) {}
   int lane;
 };
-/// Calls what computes one lane. Where nothing can be thrown, nothing of this is left.
-template <class Work>
-[[gnu::always_inline]] inline void in_lane(int lane, const Work& work) {
-  try {
-    work();
-  } catch (const std::exception& e) {
-    throw LaneError(lane, e.what());
+/// What a law that is written for one point throws in the lanes of a block: the first is kept and thrown behind the
+/// loop. An exception must not leave a loop that is annotated with `omp simd`; the compiler ends the program there.
+/// Where nothing can be thrown, nothing of this is left.
+class LaneErrors {
+ public:
+  LaneErrors() = default;
+  LaneErrors(const LaneErrors&) = delete;
+  LaneErrors& operator=(const LaneErrors&) = delete;
+  /// Calls what computes one lane.
+  template <class Work>
+  [[gnu::always_inline]] void guard(int lane, const Work& work) {
+    try {
+      work();
+    } catch (const std::exception& e) {
+      if (!first_) first_ = new LaneError(lane, e.what());
+    } catch (...) {
+      if (!first_) first_ = new LaneError(lane, "something that is not a std::exception");
+    }
   }
-}
+  /// To be called behind the loop.
+  [[gnu::always_inline]] void throw_first() {
+    if (first_) [[unlikely]]
+      throw_and_delete(first_);
+  }
+
+ private:
+  [[noreturn, gnu::noinline, gnu::cold]] static void throw_and_delete(LaneError* error) {
+    const LaneError copy = *error;
+    delete error;
+    throw copy;
+  }
+  LaneError* first_ = nullptr;
+};
+
 /// Calls a law for a block.
 template <class Work>
 [[gnu::always_inline]] inline void in_block(const Law& law, int block, const Work& work) {
@@ -272,3 +297,6 @@ class PointwiseLaw : public Base {
 
 }  // namespace detail
 }  // namespace kerf
+
+KERF_SIZES(law, KERF_SIZE(LawRows), KERF_SIZE(InitialPoint), KERF_SIZE(ReadComplaint), KERF_SIZE(Law),
+           KERF_SIZE(LawError))

@@ -102,3 +102,6 @@ class FrontLaw {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(law_use, KERF_SIZE(LawUse), KERF_SIZE(ParameterComplaint), KERF_SIZE(DensityCheckedLaw),
+           KERF_SIZE(WarningLaw), KERF_SIZE(EnergyHolder), KERF_SIZE(FrontOrigin), KERF_SIZE(FrontLaw))

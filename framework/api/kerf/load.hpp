@@ -83,3 +83,6 @@ class FacetLoad : public Load {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(load, KERF_SIZE(Load), KERF_SIZE(LoadedNode), KERF_SIZE(NodalLoad), KERF_SIZE(BodyLoad),
+           KERF_SIZE(LoadedFacet), KERF_SIZE(FacetForce), KERF_SIZE(FacetLoad))

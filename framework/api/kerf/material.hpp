@@ -117,6 +117,7 @@ class PointwiseMaterial : public detail::PointwiseLaw<LawType, Material> {
     // would recompute everything derived from the constants for each lane.
     alignas(64) Real stress[6][lane_width], modulus[lane_width];
     detail::LaneVariables<State> state;
+    detail::LaneErrors errors;
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
       PointInputWith<inputs, Number> in;
@@ -133,7 +134,7 @@ class PointwiseMaterial : public detail::PointwiseLaw<LawType, Material> {
                                number(old_stress[3][l]), number(old_stress[4][l]), number(old_stress[5][l])};
       State point = detail::state_at<State>(old_state, l);
       Number g = 0;
-      detail::in_lane(
+      errors.guard(
           l, [&]() __attribute__((always_inline)) {
             if constexpr (n_doubles < Reads >> 0)
               law.update_point(in, reads.at(l), s, point, g);
@@ -151,6 +152,7 @@ class PointwiseMaterial : public detail::PointwiseLaw<LawType, Material> {
     };
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) one_point(l);
+    errors.throw_first();
     std::memcpy(b.deviator, stress, sizeof stress);
     std::memcpy(b.shear_modulus, modulus, sizeof modulus);
     state.write(b.state);
@@ -158,3 +160,6 @@ class PointwiseMaterial : public detail::PointwiseLaw<LawType, Material> {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(material, KERF_SIZE(PointInput), KERF_SIZE(MaterialBatch), KERF_SIZE(SingleMaterialBatch),
+           KERF_SIZE(Material))

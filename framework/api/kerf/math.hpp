@@ -11,6 +11,7 @@
 
 #include "kerf/functions.hpp"
 #include "kerf/select.hpp"
+#include "kerf/sizes.hpp"
 
 namespace kerf {
 
@@ -116,3 +117,5 @@ inline double largest_principal(SymTensor a) {
 }
 
 }  // namespace kerf
+
+KERF_SIZES(math, KERF_SIZE(Vec3), KERF_SIZE(SymTensor), KERF_SIZE(Rotation))

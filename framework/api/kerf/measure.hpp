@@ -86,3 +86,6 @@ class Measure : public Plugin {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(measure, KERF_SIZE(MeasureModel), KERF_SIZE(MeasureModel::Node), KERF_SIZE(MeasureModel::Share),
+           KERF_SIZE(MeasureModel::Element), KERF_SIZE(MeasuredValue), KERF_SIZE(Measure))

@@ -35,3 +35,5 @@ class MeshGenerator : public Plugin {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(mesh, KERF_SIZE(MeshGenerator))

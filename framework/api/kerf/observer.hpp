@@ -227,3 +227,7 @@ class Observer : public Plugin {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(observer, KERF_SIZE(ObservedNodes), KERF_SIZE(ObservedPart), KERF_SIZE(ObservedReaction),
+           KERF_SIZE(ObservedContact), KERF_SIZE(ObservedColumn), KERF_SIZE(ObservedModel), KERF_SIZE(ObservedForces),
+           KERF_SIZE(ObserverCalls), KERF_SIZE(ObserverReport), KERF_SIZE(Observer))

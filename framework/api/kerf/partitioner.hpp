@@ -43,3 +43,5 @@ class Partitioner : public Plugin {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(partitioner, KERF_SIZE(PartitionProblem), KERF_SIZE(SpatialDecomposition), KERF_SIZE(Partitioner))

@@ -11,39 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "kerf/manifest.hpp"
 #include "kerf/schema.hpp"
 
 namespace kerf {
 
 /// Number of the contract between engine and plugins; raised whenever a header in kerf/ changes meaning.
 inline constexpr int interface_version = 10;
-
-/// Plain data that both sides compare before any call into a loaded library.
-struct Manifest {
-  int interface = 0;
-  int lane_width = 0;
-  int size_of_description = 0, size_of_parameter = 0, size_of_plugin = 0;
-  char compiler[64] = {};
-  char kerf_version[32] = {};
-};
-
-#ifndef KERF_VERSION
-#define KERF_VERSION "0.2.0"
-#endif
-
-inline Manifest this_manifest() {
-  Manifest m;
-  m.interface = interface_version;
-  m.lane_width = kerf::lane_width;
-  m.size_of_description = sizeof(Description);
-  m.size_of_parameter = sizeof(Parameter);
-  m.size_of_plugin = sizeof(Plugin);
-  const char* compiler = __VERSION__;
-  for (int i = 0; i < 63 && compiler[i] != '\0'; ++i) m.compiler[i] = compiler[i];
-  const char* version = KERF_VERSION;
-  for (int i = 0; i < 31 && version[i] != '\0'; ++i) m.kerf_version[i] = version[i];
-  return m;
-}
 
 /// A registered type: what it declares and how one is made. `parameters` is the address to fill.
 struct Made {
@@ -125,15 +99,19 @@ class Registrar {
 
 }  // namespace kerf
 
+KERF_SIZES(plugin, KERF_SIZE(Made), KERF_SIZE(Registrar))
+
 // A shared plugin exports its manifest and its registration under fixed names; in-tree plugins are called
 // by a name made from the file, which kerf_add_plugin() passes as KERF_PLUGIN_ENTRY.
 #ifdef KERF_PLUGIN_SHARED
-#define KERF_REGISTER(...)                                                                                  \
-  extern "C" __attribute__((visibility("default"))) kerf::Manifest kerf_plugin_manifest() {                 \
-    return kerf::this_manifest();                                                                           \
-  }                                                                                                         \
-  extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf::Registrar& registrar) { \
-    __VA_ARGS__                                                                                             \
+#define KERF_MANIFEST_TEXT kerf::detail::manifest_text<struct KerfPluginOfThisFile, kerf::interface_version>()
+#define KERF_REGISTER(...)                                                                                    \
+  extern "C" {                                                                                                \
+  extern __attribute__((visibility("default"))) const decltype(KERF_MANIFEST_TEXT) kerf_plugin_manifest_text; \
+  constinit const decltype(KERF_MANIFEST_TEXT) kerf_plugin_manifest_text = KERF_MANIFEST_TEXT;                \
+  }                                                                                                           \
+  extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf::Registrar& registrar) {   \
+    __VA_ARGS__                                                                                               \
   }
 #else
 #ifndef KERF_PLUGIN_ENTRY

@@ -78,8 +78,10 @@ class RadialReturn : public Material {
         k.strain[i][l] = b.strain_increment[i][l];
         k.stress[i][l] = b.deviator[i][l];
       }
+    detail::LaneErrors errors;
 #pragma omp simd
-    for (int l = 0; l < lane_width; ++l) predict(k, state.values, l);
+    for (int l = 0; l < lane_width; ++l) predict(k, state.values, l, errors);
+    errors.throw_first();
     solve(k, state.values, b.dt);
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) flow(k, state.values, b.dt, l);
@@ -92,11 +94,16 @@ class RadialReturn : public Material {
   using StateRows = double[n_doubles<State>][lane_width];
 
   /// Elastic predictor. The whole strain increment is the first guess of the plastic one.
-  [[gnu::always_inline]] void predict(Block& k, const StateRows& state, int l) const {
+  [[gnu::always_inline]] void predict(Block& k, const StateRows& state, int l, detail::LaneErrors& errors) const {
     const SymTensor increment = deviator(detail::tensor_at(k.strain, l));
     const SymTensor trial = detail::tensor_at(k.stress, l) + (2.0 * G) * increment;
-    const double q = von_mises(trial), at_rest = law().flow_stress({state[0][l], 0.0, 0.0, state[1][l]}).value;
-    const double bound = (q - at_rest) / (3.0 * G);
+    const double q = von_mises(trial);
+    FlowStress at_rest{};
+    errors.guard(
+        l, [&]() __attribute__((always_inline)) {
+          at_rest = law().flow_stress({state[0][l], 0.0, 0.0, state[1][l]});
+        });
+    const double bound = (q - at_rest.value) / (3.0 * G);
     detail::set_tensor(k.stress, l, trial);
     k.q[l] = q;
     k.bound[l] = bound;
@@ -111,16 +118,22 @@ class RadialReturn : public Material {
     double any = 0.0;
     for (int l = 0; l < lane_width; ++l) any += moving[l] = select(k.bound[l] > 0.0, 1.0, 0.0);
     for (int i = 0; i < max_iterations && any > 0.0; ++i) {
+      detail::LaneErrors errors;
 #pragma omp simd
       for (int l = 0; l < lane_width; ++l) {
         const double d = max_of(k.d[l], 1e-60);
-        const FlowStress y = law().flow_stress({state[0][l] + d, d, d * per_dt, state[1][l]});
+        FlowStress y{};
+        errors.guard(
+            l, [&]() __attribute__((always_inline)) {
+              y = law().flow_stress({state[0][l] + d, d, d * per_dt, state[1][l]});
+            });
         const double slope = 3.0 * G * d + y.slope, residual = 3.0 * G * d + y.value - k.q[l];
         const double s = clamp_to(residual / (slope + 1e-300), -2.0, 2.0);
         const bool moves = moving[l] > 0.0;
         k.d[l] = select(moves, min_of(d * kerf::exp(-s), k.bound[l]), k.d[l]);
         moving[l] = select(moves & (std::fabs(s) > tolerance), 1.0, 0.0);
       }
+      errors.throw_first();
       any = 0.0;
       for (int l = 0; l < lane_width; ++l) any += moving[l];
     }

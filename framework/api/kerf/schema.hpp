@@ -459,3 +459,7 @@ class Schema {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(schema, KERF_SIZE(Plugin), KERF_SIZE(Range), KERF_SIZE(Parameter), KERF_SIZE(StateVariable),
+           KERF_SIZE(ReadVariable), KERF_SIZE(Rule), KERF_SIZE(Description), KERF_SIZE(ParameterHandle),
+           KERF_SIZE(StateHandle), KERF_SIZE(ReadHandle))

@@ -165,3 +165,5 @@ inline CellCorners reference_cell(const Shape& shape, double edge) {
 }
 
 }  // namespace kerf
+
+KERF_SIZES(shape, KERF_SIZE(Shape))

@@ -67,6 +67,7 @@ class PointwiseSolid : public detail::PointwiseLaw<LawType, Solid> {
     detail::LaneVariables<Reads> reads;
     state.read(b.state);
     if constexpr (n_doubles < Reads >> 0) reads.read(b.reads);
+    detail::LaneErrors errors;
     // A function of its own: locals of a simd loop's body whose address is taken would become arrays in memory.
     const auto one_point = [&](int l) __attribute__((always_inline)) {
       SolidInputWith<inputs> in;
@@ -83,7 +84,7 @@ class PointwiseSolid : public detail::PointwiseLaw<LawType, Solid> {
       stress.zz -= b.pressure[l];
       State point = state.at(l);
       SolidModuli moduli;
-      detail::in_lane(
+      errors.guard(
           l, [&]() __attribute__((always_inline)) {
             if constexpr (n_doubles < Reads >> 0)
               law.update_point(in, reads.at(l), stress, point, moduli);
@@ -98,6 +99,7 @@ class PointwiseSolid : public detail::PointwiseLaw<LawType, Solid> {
     };
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) one_point(l);
+    errors.throw_first();
     for (int l = 0; l < lane_width; ++l) {
       for (int i = 0; i < 6; ++i) b.deviator[i][l] = deviator[i][l];
       b.pressure[l] = pressure[l];
@@ -109,3 +111,5 @@ class PointwiseSolid : public detail::PointwiseLaw<LawType, Solid> {
 };
 
 }  // namespace kerf
+
+KERF_SIZES(solid, KERF_SIZE(SolidInput), KERF_SIZE(SolidModuli), KERF_SIZE(SolidBatch), KERF_SIZE(Solid))

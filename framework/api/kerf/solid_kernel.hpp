@@ -391,7 +391,8 @@ class SolidKernel {
   [[gnu::always_inline]] void add_viscosity(const Work& w, int block, int lane, bool uses_energy, Real law_viscosity,
                                             Piece& p, Rows& rows) const {
     const V wave = load_lanes_as<Real>(rows.bulk + lane) + Real(4.0 / 3.0) * load_lanes(rows.modulus + lane);
-    p.wave = wave > Real(0.0) ? wave : V{};
+    // A modulus that is no number stays none, and shows in the forces.
+    p.wave = wave <= Real(0.0) ? V{} : wave;
     p.c = sqrt_of(p.wave / p.density) + tiny<Real>;
     p.swept_excess = load_lanes(rows.modulus + lane) > Real(0.0) ? V{} : p.good * (swept(w, p.k) - p.volume_change);
     const auto& strain = rows.step.strain;

@@ -1,0 +1,56 @@
+# Runs the case on one and on two ranks: both have to end well, with the same bits, and with the expected numbers.
+#   cmake -D KERF=... -D LIBRARY=... -D CASE=... -D EXPECTED=... -D OUTPUT=... -P run_case.cmake
+#
+# EXPECTED is a list of {"key": [...], "at_least": ..., "at_most": ..., "reason": "..."}: the place of a number in
+# summary.json, and its bounds. With "ranks": 2 it is the summary of the run on two ranks.
+cmake_minimum_required(VERSION 3.25)
+
+# Ranks that wait give way to whatever else runs on the machine.
+set(ENV{OMPI_MCA_mpi_yield_when_idle} 1)
+
+foreach(ranks 1 2)
+  set(folder "${OUTPUT}/ranks_${ranks}")
+  execute_process(COMMAND "${KERF}" run "${CASE}" --set "plugins=[${LIBRARY}]" --ranks ${ranks} --output "${folder}"
+                  OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE status)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "kerf run on ${ranks} rank(s) failed with exit code ${status}:\n${said}")
+  endif()
+  file(READ "${folder}/summary.json" summary_${ranks})
+  string(JSON exit GET "${summary_${ranks}}" exit)
+  string(JSON hash_${ranks} GET "${summary_${ranks}}" state_hash)
+  if(NOT exit STREQUAL "completed")
+    message(FATAL_ERROR "the run on ${ranks} rank(s) ended with \"${exit}\"; expected \"completed\"")
+  endif()
+endforeach()
+if(NOT hash_1 STREQUAL hash_2)
+  message(FATAL_ERROR "the state hash is ${hash_1} on one rank and ${hash_2} on two; expected the same bits")
+endif()
+message(STATUS "state hash ${hash_1} on one and two ranks")
+
+file(READ "${EXPECTED}" expected)
+string(JSON n_expected LENGTH "${expected}")
+math(EXPR last "${n_expected} - 1")
+foreach(i RANGE ${last})
+  string(JSON reason GET "${expected}" ${i} reason)
+  string(JSON least GET "${expected}" ${i} at_least)
+  string(JSON most GET "${expected}" ${i} at_most)
+  string(JSON n_words LENGTH "${expected}" ${i} key)
+  math(EXPR last_word "${n_words} - 1")
+  set(key "")
+  foreach(k RANGE ${last_word})
+    string(JSON word GET "${expected}" ${i} key ${k})
+    list(APPEND key "${word}")
+  endforeach()
+  string(JSON ranks ERROR_VARIABLE missing GET "${expected}" ${i} ranks)
+  if(missing)
+    set(ranks 1)
+  endif()
+  string(JSON value ERROR_VARIABLE missing GET "${summary_${ranks}}" ${key})
+  list(JOIN key " " name)
+  if(missing OR NOT value MATCHES "^-?[0-9]")
+    message(FATAL_ERROR "summary.json has no number at ${name}")
+  elseif(value LESS least OR value GREATER most)
+    message(FATAL_ERROR "${name} is ${value}; expected ${least} to ${most}: ${reason}")
+  endif()
+  message(STATUS "${name} is ${value}, within ${least} to ${most}: ${reason}")
+endforeach()
