@@ -26,6 +26,13 @@ struct RunOptions {
   int ranks = 0;  // 0 where not given
 };
 
+/// What `test-plugin` is told.
+struct TestPluginOptions {
+  std::string library, samples, only;  // paths; KIND.NAME
+  std::vector<std::string> checks;
+  bool builtin = false;
+};
+
 // These start and end MPI. Only rank 0 prints.
 int run_command(const RunOptions& options, Registry& registry);
 int check_command(const RunOptions& options, Registry& registry);
@@ -37,6 +44,8 @@ int drive_command(const RunOptions& options, Registry& registry, bool only_check
 int list_command(const Registry& registry, const std::string& kind);
 /// `names` is NAME or KIND NAME; "input" names the whole input file, "drive" a drive file.
 int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown);
+/// Conformance tests of the types that a library registers, or of all types of Kerf. Exit code 1 where one fails.
+int test_plugin_command(const TestPluginOptions& options, Registry& registry);
 int schema_command(const Registry& registry);
 /// Makes the folder NAME, inside of `folder`, with a plugin of the kind, its tests and its pages; where `python` names
 /// a file, with the declarations of its law of that kind.

@@ -19,6 +19,7 @@ namespace {
 
 struct Arguments {
   RunOptions run;
+  TestPluginOptions test;
   std::string kind, name, folder, python;
   std::vector<std::string> names;
   bool markdown = false, only_check = false;
@@ -76,6 +77,13 @@ void add_commands(CLI::App& app, Arguments& a) {
       ->expected(1, 2)
       ->type_name("");
   describe->add_flag("--markdown", a.markdown, "write Markdown");
+  CLI::App* test = add_command(app, a, "test-plugin", "test whether the types of a plugin keep their contracts");
+  test->add_option("LIB", a.test.library, "the plugin's shared library")->type_name("");
+  test->add_flag("--builtin", a.test.builtin, "test the types of Kerf itself");
+  test->add_option("--samples", a.test.samples, "valid parameters of each type, and how it is tested")
+      ->type_name("FILE");
+  test->add_option("--only", a.test.only, "only this type, or all of this kind")->type_name("KIND.NAME");
+  add_repeatable(*test, "--check", a.test.checks, "CHECK", "only this check; may be repeated");
   CLI::App* made = add_command(app, a, "new-plugin", "make a folder with a plugin to start from, its tests and pages");
   made->add_option("KIND", a.kind, "kind of the plugin, for example material")->required()->type_name("");
   made->add_option("NAME", a.name, "name of the new type and of the folder: lower-case words joined by _")
@@ -106,6 +114,7 @@ int dispatch(const std::string& command, const Arguments& a, int argc, char** ar
   diagnostics.throw_if_errors();
   if (command == "list") return list_command(registry, a.kind);
   if (command == "describe") return describe_command(registry, a.names, a.markdown);
+  if (command == "test-plugin") return test_plugin_command(a.test, registry);
   if (command == "new-plugin") return new_plugin_command(registry, a.kind, a.name, a.folder, a.python);
   if (command == "schema") return schema_command(registry);
   return reference_command(registry, a.folder);

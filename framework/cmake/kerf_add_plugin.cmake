@@ -83,6 +83,20 @@ function(kerf_add_shared_plugin path stem pieces link)
   kerf_flags_definition(flags "$<TARGET_PROPERTY:${stem},COMPILE_OPTIONS>")
   target_compile_definitions(${stem} PRIVATE "${flags}")
   target_link_libraries(${stem} PRIVATE Kerf::api ${link})
+  kerf_write_vectorisation("${path}" "${stem}")
+endfunction()
+
+# GCC tells which loops it has vectorised, function by function; what it says comes to lie in STEM.vec.txt beside the
+# library, where `kerf test-plugin` reads it.
+function(kerf_write_vectorisation path stem)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    return()
+  endif()
+  set(dump "${CMAKE_CURRENT_BINARY_DIR}/${stem}.vect.dump")
+  set_property(SOURCE "${path}" APPEND PROPERTY COMPILE_OPTIONS "-fdump-tree-vect-optimized-missed=${dump}")
+  add_custom_command(TARGET ${stem} POST_BUILD VERBATIM
+    COMMAND sh -c "test ! -f \"$1\" || grep -E '^;; Function|: (optimized|missed):' \"$1\" >\"$2\" || true"
+            sh "${dump}" "$<TARGET_FILE_DIR:${stem}>/${stem}.vec.txt")
 endfunction()
 
 # Adds every file that matches, in a stable order.

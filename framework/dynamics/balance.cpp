@@ -90,6 +90,24 @@ void Balancer::restore(std::int64_t last_cycle, const std::vector<double>& polic
   if (policy_state.size() == input_.policy->state().size()) input_.policy->restore(policy_state);
 }
 
+namespace {
+
+/// Throws PhysicsError, on all ranks, where a partitioner has not answered for each element with a rank that there is.
+void refuse_wrong_owners(const Model& model, const Partitioner& partitioner, const PartitionProblem& problem,
+                         const std::vector<int>& owners) {
+  std::string trouble;
+  if (owners.size() != problem.ids.size())
+    trouble = fmt::format("the partitioner `{}` returns {} owners for {} elements; expected one for each",
+                          partitioner.type, owners.size(), problem.ids.size());
+  for (std::size_t i = 0; i < owners.size() && trouble.empty(); ++i)
+    if (owners[i] < 0 || owners[i] >= model.n_ranks())
+      trouble = fmt::format("the partitioner `{}` gives element {} to rank {}; expected a rank from 0 to {}",
+                            partitioner.type, problem.ids[i], owners[i], model.n_ranks() - 1);
+  if (const std::string first = first_text(model.comm, trouble); !first.empty()) throw PhysicsError(first);
+}
+
+}  // namespace
+
 std::vector<int> Balancer::partition(const Model& model) const {
   PartitionProblem problem;
   problem.comm = model.comm;
@@ -111,7 +129,9 @@ std::vector<int> Balancer::partition(const Model& model) const {
       problem.first.push_back(static_cast<std::int64_t>(problem.neighbours.size()));
     }
   }
-  return input_.partitioner->partition(problem);
+  std::vector<int> owners = input_.partitioner->partition(problem);
+  refuse_wrong_owners(model, *input_.partitioner, problem, owners);
+  return owners;
 }
 
 void Balancer::move(Model& model, std::int64_t cycle) {

@@ -65,6 +65,25 @@ void for_all_datasets(const Group& group, const std::function<void(const Dataset
   for (const auto& [name, child] : group.groups) for_all_datasets(child, use);
 }
 
+std::vector<std::byte> entries_of(const File& file, const Dataset& d) {
+  if (d.places.empty()) return d.content;
+  std::vector<std::byte> bytes(d.n_entries() * d.type.size);
+  const std::uint64_t step = d.chunk_rows > 0 ? d.chunk_rows * d.row_bytes() : bytes.size();
+  std::uint64_t at = 0;
+  for (std::size_t c = 0; c < d.places.size() && at < bytes.size(); ++c) {
+    const std::uint64_t n = std::min<std::uint64_t>(step, bytes.size() - at);
+    file.read_at(d.places[c], std::span(bytes).subspan(at, n));
+    at += n;
+  }
+  return bytes;
+}
+
+void add_entries(const File& file, const Group& group, const std::string& path,
+                 std::map<std::string, std::vector<std::byte>>& all) {
+  for (const auto& [name, dataset] : group.datasets) all[path + name] = entries_of(file, dataset);
+  for (const auto& [name, child] : group.groups) add_entries(file, child, path + name + "/", all);
+}
+
 constexpr std::uint64_t index_node_size(const Dataset& d) { return 24 + 65 * (8 + 8 * (d.size.size() + 1)) + 64 * 8; }
 
 }  // namespace
@@ -200,6 +219,16 @@ void Hdf5File::shorten() {
   end_ = contents;
   commit();
   on_root(comm_, [&] { file_.local().cut(end_); });
+}
+
+std::map<std::string, std::vector<std::byte>> entries_of_file(const std::string& path) {
+  const File file(path, File::Mode::read);
+  const Front front = read_front(file);
+  std::vector<std::byte> index(front.index_size);
+  file.read_at(front.index, index);
+  std::map<std::string, std::vector<std::byte>> all;
+  add_entries(file, unpack(index), "", all);
+  return all;
 }
 
 }  // namespace kerf::hdf5

@@ -8,6 +8,7 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,5 +61,9 @@ class Hdf5File {
   bool takes_turns_ = false;
   std::uint64_t turns_[2] = {}, turn_ = 0, turn_size_ = 0;  // places of images that take turns, and their size
 };
+
+/// The entries of all datasets of a file of Kerf's, by path ("group/table"), wherever they lie in the file. Without MPI.
+/// Throws std::runtime_error where the file cannot be read or is damaged.
+std::map<std::string, std::vector<std::byte>> entries_of_file(const std::string& path);
 
 }  // namespace kerf::hdf5

@@ -21,7 +21,8 @@ struct StiffenedGas final : PointwiseEos<StiffenedGas>, TensionLimit {
   using State = NoVariables;
 
   static void describe(Schema<StiffenedGas>& s) {
-    s.real(&StiffenedGas::gamma, "gamma", "-", Range{1.0, 20.0, true, false}, "exponent");
+    s.real(&StiffenedGas::gamma, "gamma", "-", Range{1.0, 20.0, true, false},
+           "exponent of the adiabat, the ratio of specific heats");
     s.real(&StiffenedGas::stiffness, "stiffness", "Pa", non_negative,
            "the pressure is that of an ideal gas, less so much; gamma times it is the bulk modulus at no pressure");
     s.real(&StiffenedGas::initial_pressure, "initial_pressure", "Pa", any_value,

@@ -36,6 +36,7 @@ def laws_of(names):
 def material_of(kind, name):
     sample = dict(SAMPLES[kind][name] or {})
     beside = sample.pop("beside", {})
+    sample.pop("conformance", None)
     law = {"type": name} | sample
     if kind == "erosion":
         return USUAL | {"erosion": {"criteria": [law]}} | beside
