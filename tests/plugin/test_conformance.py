@@ -77,10 +77,10 @@ def test_an_element_and_its_mesh_pass(tmp_path):
     assert rows["mesh.wedge_block"]["mesh"][0] == "pass"
 
 
-@pytest.mark.parametrize("kind", sorted(p.name for p in (SOURCE / "framework" / "templates").iterdir()
-                                       if (p / "tests" / "samples.yaml").exists()))
+@pytest.mark.parametrize("kind", ["material", "eos", "solid", "erosion", "mesh", "element", "partitioner",
+                                  "balance_policy"])
 def test_the_plugin_to_start_from_passes(kind, tmp_path):
-    """What `kerf new-plugin` makes, with the samples that it makes."""
+    """What `kerf new-plugin` makes, with the samples that it makes; kinds without an input, which takes its time."""
     done = call(KERF, "new-plugin", kind, "first_try", "--output", tmp_path)
     assert done.returncode == 0, done.stderr
     folder = tmp_path / "first_try"
