@@ -76,8 +76,8 @@ def page(kind):
         "[writing an element](../writing_an_element.md)"
     return f"""# The smallest real plugin of the kind {kind}
 
-{decides} It derives from `{base}`. More: {more}. A folder with tests to start from: `kerf new-plugin {kind} NAME`, see \
-[starting a plugin](../starting_a_plugin.md).
+{decides} It derives from `{base}`. More: {more}. A folder with tests to start from: `kerf new-plugin {kind} NAME`, \
+see [starting a plugin](../starting_a_plugin.md).
 
 An input says
 
@@ -85,8 +85,8 @@ An input says
 {example}
 ```
 
-`tests/plugin/{source}` is the whole plugin `{name_of(text, kind)}`: {whole} lines, {code} of them code. The tests build \
-it outside of the tree and run it on several ranks.
+`tests/plugin/{source}` is the whole plugin `{name_of(text, kind)}`: {whole} lines, {code} of them code. The tests \
+build it outside of the tree and run it on several ranks.
 
 ```cpp
 {text.rstrip()}
