@@ -84,6 +84,9 @@ void DrivenCell::check() const {
   const SymTensor s = part_.stress(0);
   for (const double v : {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx})
     if (!std::isfinite(v)) throw std::runtime_error(fmt::format("the stress is no number at {:.6g} s", time_));
+  for (const StateVariable* v : variables())
+    if (std::isnan(part_.variable(v->name, 0)))
+      throw std::runtime_error(fmt::format("the state variable {} is no number at {:.6g} s", v->name, time_));
   if (!std::isfinite(part_.get(PartStore::internal_energy, 0)))
     throw std::runtime_error(fmt::format("the internal energy is no number at {:.6g} s", time_));
 }

@@ -1,6 +1,8 @@
 // The criteria of a part and their combination.
 #include "erosion/judge.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 
@@ -68,19 +70,46 @@ unsigned PartJudge::judge(ErosionBatch& rows, int block) {
   return dead;
 }
 
-/// Throws where a verdict on a live element is NaN.
-void PartJudge::refuse_unknown(const ErosionCriterion& law, const Verdicts& v, int block) const {
-  double sum = 0.0;
-  for (int l = 0; l < lane_width; ++l) sum += v.failed[l];
-  if (sum == sum) return;
+/// Calls `complain(lane)` for live elements of a block where `is_bad(lane)`. Nothing is asked of single lanes where
+/// none is bad.
+template <class Test, class Complain>
+void PartJudge::for_bad_lanes(int block, const Test& is_bad, const Complain& complain) const {
+  unsigned bad = 0;
+  for (int l = 0; l < lane_width; ++l) bad |= is_bad(l) ? 1u : 0u;
+  if (bad == 0) return;
   for (int l = 0; l < lane_width; ++l) {
     const int slot = block * lane_width + l;
-    if (v.failed[l] == v.failed[l] || slot >= store_->n_slots() || !store_->live(slot)) continue;
-    throw LawError(law, block, l,
-                   "whether the element has failed is not known: a number in the criterion is none (NaN), as after "
-                   "0/0 or the root of a negative number; expected a condition that guards against it, such as "
-                   "`von_mises > 0 and ...`");
+    if (is_bad(l) && slot < store_->n_slots() && store_->live(slot)) complain(l);
   }
+}
+
+/// Throws where a verdict on a live element is neither yes nor no.
+void PartJudge::refuse_unknown(const ErosionCriterion& law, const Verdicts& v, std::size_t k, int block) const {
+  const double *failed = v.failed, *value = v.value[k];
+  for_bad_lanes(
+      block, [&](int l) { return !(failed[l] == 0.0 || failed[l] == 1.0) || value[l] != value[l]; },
+      [&](int l) {
+        if (failed[l] == failed[l] && value[l] == value[l])
+          throw LawError(
+              law, block, l,
+              fmt::format("it says that the element has failed by the number {}; expected 0 or 1, the second "
+                          "member of a Verdict",
+                          failed[l]));
+        throw LawError(law, block, l,
+                       "whether the element has failed is not known: a number in the criterion is none (NaN), as after "
+                       "0/0 or the root of a negative number; expected a condition that guards against it, such as "
+                       "`von_mises > 0 and ...`");
+      });
+}
+
+/// Throws where the share that is left of a stress of a live element is none.
+void PartJudge::refuse_shares(const ErosionCriterion& law, const double* shares, const char* of, int block) const {
+  for_bad_lanes(
+      block, [&](int l) { return !(shares[l] >= 0.0 && shares[l] <= 1.0); },
+      [&](int l) {
+        throw LawError(law, block, l,
+                       fmt::format("it leaves {} of the {}; expected a share from 0 to 1", shares[l], of));
+      });
 }
 
 /// A criterion that keeps state or softens is asked every cycle, and heard in the cycles of its interval.
@@ -106,11 +135,16 @@ void PartJudge::ask(std::size_t k, ErosionBatch& rows, int block, Verdicts& v) {
     detail::rotate_tensors(c.access.tensors, *reinterpret_cast<const double(*)[9][lane_width]>(rows.rotation),
                            rows.state);
   detail::in_block(*c.law, block, [&] { c.law->judge(rows); });
-  if (v.looked[k]) refuse_unknown(*c.law, v, block);
+  if (v.looked[k]) refuse_unknown(*c.law, v, k, block);
+  if (c.softens) {
+    refuse_shares(*c.law, strength, "deviator", block);
+    refuse_shares(*c.law, tension, "tensile pressures", block);
+    refuse_shares(*c.law, compression, "pressures in compression", block);
+  }
   for (int l = 0; c.softens && l < lane_width; ++l) {
-    v.strength[l] *= clamp_to(strength[l], 0.0, 1.0);
-    v.tension[l] *= clamp_to(tension[l], 0.0, 1.0);
-    v.compression[l] *= clamp_to(compression[l], 0.0, 1.0);
+    v.strength[l] *= strength[l];
+    v.tension[l] *= tension[l];
+    v.compression[l] *= compression[l];
   }
   for (int l = 0; v.looked[k] && l < lane_width; ++l) v.masks[k] |= (v.failed[l] != 0.0 ? 1u : 0u) << l;
 }

@@ -42,7 +42,10 @@ class PartJudge final : public ErosionJudge {
     unsigned masks[8] = {};
     bool looked[8] = {};
   };
-  void refuse_unknown(const ErosionCriterion& law, const Verdicts& v, int block) const;
+  template <class Test, class Complain>
+  void for_bad_lanes(int block, const Test& is_bad, const Complain& complain) const;
+  void refuse_unknown(const ErosionCriterion& law, const Verdicts& v, std::size_t k, int block) const;
+  void refuse_shares(const ErosionCriterion& law, const double* shares, const char* of, int block) const;
   void ask(std::size_t criterion, ErosionBatch& rows, int block, Verdicts& verdicts);
   unsigned combine(Verdicts& verdicts, int block) const;
   unsigned failed_together(const Verdicts& verdicts, int block) const;

@@ -99,7 +99,6 @@ def contraction(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
 
 
-def von_mises(t):
-    """sqrt(3/2 s:s) of the deviator of a tensor."""
-    s = deviator(t)
+def von_mises(s):
+    """sqrt(3/2 s:s) of a deviator, as in C++: of a whole stress, take its deviator first."""
     return (1.5 * contraction(s, s)) ** 0.5

@@ -23,10 +23,19 @@ class Trouble(Exception):
 
 
 class Bag:
-    """The named numbers of a point."""
+    """The named numbers of a point. Once it is `closed`, other names cannot be set: a slip must not be lost."""
 
     def __init__(self, **values):
         self.__dict__.update(values)
+
+    def close(self, what):
+        self.__dict__["_what"] = what
+
+    def __setattr__(self, name, value):
+        if "_what" in self.__dict__ and name not in self.__dict__:
+            raise AttributeError(f"{self._what} has no {name}; it has "
+                                 + ", ".join(key for key in self.__dict__ if key != "_what"))
+        self.__dict__[name] = value
 
 
 def snake_case(name):
@@ -131,6 +140,8 @@ class Point:
                 setattr(p, name, rows(INPUTS[name][1]))
         p.state = Bag(**{name: rows(6 if what["tensor"] else 1) for name, what in self.parts["state"]})
         p.reads = Bag(**{name: rows(1) for name, _ in self.parts["reads"]})
+        p.state.close("p.state")
+        p.close("p")
         with np.errstate(all="ignore"):
             returned = self.function(p)
         returned = returned if isinstance(returned, tuple) else (returned,)

@@ -25,7 +25,8 @@ struct ErosionInputPoint {
 template <unsigned inputs>
 struct ErosionInputWith : ErosionInputPoint, detail::AskedInputs<(inputs & ~with_rotation)> {};
 
-/// What a criterion says of a point: the value it looked at, and 1 where the element has failed, else 0.
+/// What a criterion says of a point: the value it looked at, and 1 where the element has failed, else 0. Anything else,
+/// and shares that are not from 0 to 1, stop the run.
 struct Verdict {
   double value = 0.0;
   double failed = 0.0;
@@ -109,6 +110,7 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
     alignas(64) double stress[6][lane_width], strain[6][lane_width], rotation[9][lane_width], rest[4][lane_width];
     alignas(64) double value[lane_width], failed[lane_width];
     [[maybe_unused]] alignas(64) double strength[lane_width], tension[lane_width], compression[lane_width];
+    [[maybe_unused]] alignas(64) double ignored[lane_width];
     constexpr unsigned inputs = detail::inputs_of<LawType>();
     const double dt = b.dt, time = b.time;
     detail::LaneVariables<State> state;
@@ -158,11 +160,20 @@ class PointwiseErosion : public detail::PointwiseLaw<LawType, ErosionCriterion> 
         strength[l] = verdict.strength;
         tension[l] = verdict.tension;
         compression[l] = verdict.compression;
+      } else {
+        ignored[l] = verdict.strength != 1.0 || verdict.tension != 1.0 || verdict.compression != 1.0 ? 1.0 : 0.0;
       }
     };
 #pragma omp simd
     for (int l = 0; l < lane_width; ++l) one_point(l);
     errors.throw_first();
+    if constexpr (!may_soften())
+      for (const double of_lane : ignored)
+        if (of_lane != 0.0)
+          throw std::runtime_error(
+              "it sets what is left of the stress, which nobody would heed; declare `static constexpr bool can_soften "
+              "= "
+              "true`");
     state.write(b.state);
     for (int l = 0; l < lane_width; ++l) {
       b.value[l] = value[l];

@@ -125,16 +125,22 @@ KERF_SIZES(plugin, KERF_SIZE(Made), KERF_SIZE(Registrar))
 /// One line inside KERF_REGISTER(...); a file may register several types.
 #define KERF_TYPE(Type, kind, name, summary) registrar.add_type<Type>(kind, name, summary, __FILE__);
 
-#define KERF_MATERIAL(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "material", name, summary))
-#define KERF_SOLID(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "solid", name, summary))
-#define KERF_EOS(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "eos", name, summary))
-#define KERF_EROSION(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "erosion", name, summary))
-#define KERF_CONTACT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "contact", name, summary))
-#define KERF_ELEMENT(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "element", name, summary))
-#define KERF_PARTITIONER(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "partitioner", name, summary))
-#define KERF_BALANCE_POLICY(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "balance_policy", name, summary))
-#define KERF_MEASURE(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "measure", name, summary))
-#define KERF_BOUNDARY(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "boundary", name, summary))
-#define KERF_MESH(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "mesh", name, summary))
-#define KERF_LOAD(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "load", name, summary))
-#define KERF_OBSERVER(Type, name, summary) KERF_REGISTER(KERF_TYPE(Type, "observer", name, summary))
+// The kind's base class is declared by its header, so a macro of another kind does not compile.
+#define KERF_OF_KIND(Base, Type, kind, name, summary)                 \
+  static_assert(std::is_base_of_v<kerf::Base, Type>,                  \
+                "the macro is that of another kind: expected a type " \
+                "that derives from kerf::" #Base);                    \
+  KERF_REGISTER(KERF_TYPE(Type, kind, name, summary))
+#define KERF_MATERIAL(Type, name, summary) KERF_OF_KIND(Material, Type, "material", name, summary)
+#define KERF_SOLID(Type, name, summary) KERF_OF_KIND(Solid, Type, "solid", name, summary)
+#define KERF_EOS(Type, name, summary) KERF_OF_KIND(Eos, Type, "eos", name, summary)
+#define KERF_EROSION(Type, name, summary) KERF_OF_KIND(ErosionCriterion, Type, "erosion", name, summary)
+#define KERF_CONTACT(Type, name, summary) KERF_OF_KIND(Contact, Type, "contact", name, summary)
+#define KERF_ELEMENT(Type, name, summary) KERF_OF_KIND(Element, Type, "element", name, summary)
+#define KERF_PARTITIONER(Type, name, summary) KERF_OF_KIND(Partitioner, Type, "partitioner", name, summary)
+#define KERF_BALANCE_POLICY(Type, name, summary) KERF_OF_KIND(BalancePolicy, Type, "balance_policy", name, summary)
+#define KERF_MEASURE(Type, name, summary) KERF_OF_KIND(Measure, Type, "measure", name, summary)
+#define KERF_BOUNDARY(Type, name, summary) KERF_OF_KIND(Boundary, Type, "boundary", name, summary)
+#define KERF_MESH(Type, name, summary) KERF_OF_KIND(MeshGenerator, Type, "mesh", name, summary)
+#define KERF_LOAD(Type, name, summary) KERF_OF_KIND(Load, Type, "load", name, summary)
+#define KERF_OBSERVER(Type, name, summary) KERF_OF_KIND(Observer, Type, "observer", name, summary)
