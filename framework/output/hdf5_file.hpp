@@ -62,8 +62,8 @@ class Hdf5File {
   std::uint64_t turns_[2] = {}, turn_ = 0, turn_size_ = 0;  // places of images that take turns, and their size
 };
 
-/// The entries of all datasets of a file of Kerf's, by path ("group/table"), wherever they lie in the file. Without MPI.
-/// Throws std::runtime_error where the file cannot be read or is damaged.
+/// The entries of all datasets of a file of Kerf's, by path ("group/table"), wherever they lie in the file. Without
+/// MPI. Throws std::runtime_error where the file cannot be read or is damaged.
 std::map<std::string, std::vector<std::byte>> entries_of_file(const std::string& path);
 
 }  // namespace kerf::hdf5

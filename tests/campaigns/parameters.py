@@ -56,7 +56,7 @@ PLACES = {
     "erosion": ("materials", "copper", "erosion", "criteria", 0), "element": ("parts", "striker", "element"),
     "mesh": ("parts", "striker", "mesh"), "contact": ("contacts", 0), "boundary": ("boundaries", 0),
     "load": ("loads", 0), "measure": ("measures", "speed"), "observer": ("observers", "watch"),
-    "partitioner": ("balance", "partitioner")}
+    "partitioner": ("balance", "partitioner"), "balance_policy": ("balance", "policy")}
 
 
 def put(model, place, value):

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from plugin_case import HERE, KERF, build, call
+from plugin_case import HERE, KERF, SOURCE, build, call
 
 CONTRACTS = HERE / "wrong_laws"
 # What needs no runs of whole models, which take a second each.
@@ -75,6 +75,18 @@ def test_an_element_and_its_mesh_pass(tmp_path):
     rows = verdicts(library, HERE / "wedge" / "samples.yaml")
     assert not failures(rows["element.wedge"]) and "migration" in rows["element.wedge"]
     assert rows["mesh.wedge_block"]["mesh"][0] == "pass"
+
+
+@pytest.mark.parametrize("kind", ["material", "eos", "solid", "erosion", "mesh", "element", "partitioner",
+                                  "balance_policy"])
+def test_the_plugin_to_start_from_passes(kind, tmp_path):
+    """What `kerf new-plugin` makes, with the samples that it makes; kinds without an input, which takes its time."""
+    done = call(KERF, "new-plugin", kind, "first_try", "--output", tmp_path)
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "first_try"
+    library = build(folder, folder / "build", "first_try.so")
+    rows = verdicts(library, folder / "tests" / "samples.yaml")
+    assert rows and not any(failures(r) for r in rows.values()), {name: failures(r) for name, r in rows.items()}
 
 
 # ---- one promise broken each

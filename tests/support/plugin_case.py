@@ -1,12 +1,11 @@
 """Building a plugin as its author would, against the tree that the tests run."""
 
 import json
-from pathlib import Path
 
 from plugin_compiler import BUILD, KERF, SOURCE, cached, call, compile_library, flags
 
 __all__ = ["BUILD", "HERE", "KERF", "SOURCE", "build", "cached", "call", "compile_library", "flags", "run"]
-HERE = Path(__file__).resolve().parent
+HERE = SOURCE / "tests" / "plugin"  # where the plugins that tests build are
 
 
 def build(source, folder, library):
