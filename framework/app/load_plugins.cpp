@@ -55,6 +55,10 @@ std::string agreed(MPI_Comm comm, const std::string& failure) {
   return sum_of(comm, std::int64_t{failure == first}) == size ? first : fmt::format("on rank {}: {}", lowest, first);
 }
 
+void note(const std::string& path, const LibraryFile& file, Registry& registry) {
+  registry.note_file(std::filesystem::path(path).filename().string(), file.checksum());
+}
+
 std::string described(const LibraryFile& file, int rank) {
   return fmt::format("{} bytes with the checksum {:016x} on rank {}", file.size(), file.checksum(), rank);
 }
@@ -76,6 +80,7 @@ std::string load(MPI_Comm comm, const std::string& path, Registry& registry) {
   if (failure.empty()) failure = difference_between_ranks(comm, *file);
   if (failure.empty()) failure = agreed(comm, attempt([&] { require_fitting(path, *file); }));
   if (failure.empty()) failure = agreed(comm, attempt([&] { open_plugin(path, *file, registry); }));
+  if (failure.empty()) note(path, *file, registry);
   return failure;
 }
 
@@ -100,6 +105,7 @@ void load_plugins(const std::vector<WantedPlugin>& wanted, Registry& registry) {
         LibraryFile file = read_plugin(place.path);
         require_fitting(place.path, file);
         open_plugin(place.path, file, registry);
+        note(place.path, file, registry);
       });
     if (!place.failure.empty()) errors.push_back(line_of(plugin, place.path, place.failure));
   }

@@ -136,8 +136,13 @@ int run(MPI_Comm comm, const RunOptions& options, Registry& registry) {
   Simulation simulation(comm, *input);
   if (rank_of(comm) == 0) print_warnings(simulation.warnings());
   make_folder(comm, settings.folder);
+  settings.plugin_files = registry.files();
   settings.input_digest = input->digest + " " + state_hash(simulation.model());
+  const std::vector<std::string> before = simulation.warnings();
   Reporter reporter(simulation, *input, settings);
+  if (rank_of(comm) == 0)
+    print_warnings(
+        {simulation.warnings().begin() + static_cast<std::ptrdiff_t>(before.size()), simulation.warnings().end()});
   if (options.resume && !simulation.clock().running()) note_that_nothing_is_left(comm, simulation, *input);
   try {
     return run_to_end(comm, options, settings.folder, simulation, reporter);

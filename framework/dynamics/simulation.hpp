@@ -90,6 +90,8 @@ class Simulation {
   std::string last_step_setter() const { return setter_name(last_limit_, last_id_); }
   /// What a user should look at before the run, as lines "origin: warning: what; what to do"; the same on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Adds one; the caller prints it.
+  void warn(const std::string& text) { warnings_.push_back(text); }
   /// Warns of bodies that contact should have kept apart and that share volume now. Returns the new warnings, which
   /// join the others. Collective.
   std::vector<std::string> judge_end();

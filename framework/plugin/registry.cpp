@@ -1,6 +1,8 @@
 // The registry: one map from kind and name to description and maker.
 #include "plugin/registry.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 #include <utility>
 
@@ -16,6 +18,10 @@ void Registry::add_made(Description description, std::function<Made()> make) {
                              found->second.description.origin + ", one in " + description.origin +
                              "; rename one of them");
   entries_.emplace(key, Entry{std::move(description), std::move(make)});
+}
+
+void Registry::note_file(const std::string& name, std::uint64_t checksum) {
+  files_ += fmt::format("{} {:016x}\n", name, checksum);
 }
 
 const Description* Registry::find(const std::string& kind, const std::string& name) const {

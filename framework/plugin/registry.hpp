@@ -1,6 +1,7 @@
 // Maps a plugin's kind and name to what it declares and to its maker.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -18,6 +19,11 @@ class Registry final : public Registrar {
   /// The same for types that are not known to the compiler: laws in Python.
   void add_made(Description description, std::function<Made()> make);
 
+  /// Takes note of a file whose types are registered: its name without folder, and a checksum of its bytes.
+  void note_file(const std::string& name, std::uint64_t checksum);
+  /// The files that were noted, one a line with its checksum.
+  const std::string& files() const { return files_; }
+
   const Description* find(const std::string& kind, const std::string& name) const;  // null where absent
   /// A new object with `type` and `description` set. Pre: find(kind, name) is not null.
   Made make(const std::string& kind, const std::string& name) const;
@@ -30,6 +36,7 @@ class Registry final : public Registrar {
     std::function<Made()> make;
   };
   std::map<std::pair<std::string, std::string>, Entry> entries_;
+  std::string files_;
 };
 
 /// Registers everything that was compiled in; defined in the table that CMake generates.

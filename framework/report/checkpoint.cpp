@@ -241,6 +241,7 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   file.write_attribute("let_go", let_go_counts);
   file.write_attribute("contact", std::vector<double>{let_go.deepest, let_go.first_time});
   if (!p.balance_policy.empty()) file.write_attribute("balance_policy", p.balance_policy);
+  if (!output.plugin_files.empty()) file.write_attribute("plugin_files", output.plugin_files);
   write_observers(file, simulation, output.observers);
   write_nodes(file, simulation);
   write_elements(file, model);
@@ -284,7 +285,9 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
                                   .first_time = taken.at(1)};
   }
   simulation.resume(p);
-  return {counters.at(4), due.at(0), due.at(1), due.at(2), file.integers("eroded_by"), read_observers(file)};
+  const std::string plugin_files = file.has_attribute("plugin_files") ? file.text("plugin_files") : std::string{};
+  return {counters.at(4),       due.at(0),   due.at(1), due.at(2), file.integers("eroded_by"),
+          read_observers(file), plugin_files};
 }
 
 }  // namespace kerf

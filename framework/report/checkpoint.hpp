@@ -14,6 +14,7 @@ struct OutputProgress {
   double next_results = 0.0, next_history = 0.0, next_restart = 0.0;  // [s]
   std::vector<std::int64_t> eroded_by;  // elements eroded so far, per part and criterion
   std::vector<ObserverProgress> observers = {};
+  std::string plugin_files = {};  // that the run was computed with, see Registry::files()
 };
 
 /// Collective.

@@ -89,6 +89,7 @@ void Reporter::start_anew(const std::string& folder) {
   write_frame();
   write_history(false);
   observers_.start(folder);
+  due_.plugin_files = settings_.plugin_files;
   due_.next_results = results_interval_;
   due_.next_history = history_interval_;
   due_.next_restart = restart_interval_;
@@ -97,6 +98,11 @@ void Reporter::start_anew(const std::string& folder) {
 void Reporter::resume(const std::string& folder) {
   const Model& model = simulation_.model();
   due_ = read_newest_restart();
+  if (due_.plugin_files != settings_.plugin_files)
+    simulation_.warn(
+        "warning: the run began with other plugins, or with other builds of them, than it goes on with; what "
+        "comes is computed by the present ones, and its bits are not those of one run");
+  due_.plugin_files = settings_.plugin_files;
   on_root(model.comm, [&] { remove_what_is_stale(settings_); });
   if (root()) eroded_by_ = due_.eroded_by;
   first_element_cycles_ = simulation_.element_cycles();

@@ -20,6 +20,7 @@ struct ReportSettings {
   std::string folder;  // of all output files
   std::string input_name;  // for summary.json
   std::string input_digest;  // of everything that a restart may not change
+  std::string plugin_files;  // see Registry::files()
   bool resume = false;
 };
 

@@ -26,7 +26,7 @@ struct @TYPE@ final : PointwiseErosion<@TYPE@> {
     s.real(&@TYPE@::A, "A", "-", positive, "triaxiality at which plastic strain does twice the damage of pure shear");
     describe_interval(s);
     s.state(&State::damage, "@NAME@_damage", "-", 0.0, "sum of damage so far").within(non_negative);
-    s.state(&State::last_strain, "@NAME@_strain", "-", 0.0, "plastic strain at the last look").within(non_negative);
+    s.state(&State::last_strain, "@NAME@_strain", "-", -1.0, "plastic strain at the last look; negative before it");
     s.reads(&Reads::effective_plastic_strain, "effective_plastic_strain", "plastic strain of the material");
   }
 
@@ -34,7 +34,9 @@ struct @TYPE@ final : PointwiseErosion<@TYPE@> {
     const double q = von_mises(deviator(in.stress));
     // Without a deviator nothing flows, so what the quotient is then does not matter; it has to be finite.
     const double eta = select(q > 0.0, -in.pressure / (q + tiny<double>), 0.0);
-    const double grown = max_of(reads.effective_plastic_strain - state.last_strain, 0.0);
+    // Strain from before the run does no damage.
+    const bool has_looked = state.last_strain >= 0.0;
+    const double grown = select(has_looked, max_of(reads.effective_plastic_strain - state.last_strain, 0.0), 0.0);
     state.damage += max_of(1.0 + eta / A, 0.0) * grown;
     state.last_strain = reads.effective_plastic_strain;
     return {state.damage, select(state.damage >= limit, 1.0, 0.0)};
