@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from plugin_case import KERF, build, call
 
 SOURCE = Path(__file__).resolve().parents[2]
+os.environ.setdefault("KERF_PYTHON", sys.executable)  # a Python that has NumPy
 LAWS = '''import numpy as np
 from kerf_laws import Eos, Erosion, Material, Solid, deviator, reads, real, state, tensor, trace, von_mises
 
