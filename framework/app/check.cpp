@@ -112,6 +112,12 @@ int check_command(const RunOptions& options, Registry& registry) {
     if (root) fmt::print(stderr, "{}: error: the run cannot start: {}\n", options.input, e.what());
     MPI_Barrier(runtime.comm());
     return exit_physics;
+  } catch (const std::exception& e) {
+    // Thrown on one rank only, perhaps: the others may be waiting for it.
+    fmt::print(stderr, "error: rank {}: {}\n", rank_of(runtime.comm()), e.what());
+    std::fflush(stderr);
+    if (size_of(runtime.comm()) > 1) MPI_Abort(runtime.comm(), exit_other);
+    return exit_other;
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "app/commands.hpp"
 #include "conformance/conformance.hpp"
+#include "core/activity.hpp"
 #include "core/diagnostics.hpp"
 #include "plugin/loader.hpp"
 
@@ -67,6 +68,7 @@ int test_plugin_command(const TestPluginOptions& o, Registry& registry) {
   options.library = o.library;
   const Samples samples = o.samples.empty() ? Samples() : Samples(o.samples, registry);
   print_warnings(samples.warnings());
+  const activity::Task task("testing a plugin", {activity::default_limit, "of a check", exit_other});
   const Verdicts verdicts = test_types(registry, samples, options);
   fmt::print("{}", table_of(verdicts.rows()));
   return verdicts.all_pass() ? exit_done : exit_other;

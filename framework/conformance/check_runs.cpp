@@ -270,7 +270,7 @@ constexpr double most_imbalance = 1.5;
 
 void check_runs(const Registry& registry, const std::vector<const TypeSample*>& samples, const RunPlace& place,
                 Verdicts& out) {
-  if (!out.wants("migration") && !out.wants("run_restart")) return;
+  if (!out.wants("migration") && !out.wants("run_restart") && !out.wants("balance")) return;
   std::vector<const TypeSample*> laws;
   for (const TypeSample* s : samples)
     if (is_law_kind(s->kind)) laws.push_back(s);
@@ -299,7 +299,7 @@ void check_runs(const Registry& registry, const std::vector<const TypeSample*>& 
 
 void check_input(const std::vector<std::string>& types, const std::string& input, const RunPlace& place,
                  Verdicts& out) {
-  if (!out.wants("migration") && !out.wants("run_restart")) return;
+  if (!out.wants("migration") && !out.wants("run_restart") && !out.wants("balance")) return;
   std::string name = std::filesystem::path(input).stem().string();
   const RunFindings f = run_input(input, place, "input_" + name, {"balance.force_interval=7"});
   for (const std::string& type : types) {

@@ -75,6 +75,7 @@ ChildRun run_child(const std::string& input, const std::string& folder, const st
   std::vector<std::string> all = {std::filesystem::read_symlink("/proc/self/exe").string(), "run", input, "--output",
                                   folder};
   all.insert(all.end(), words.begin(), words.end());
+  all.insert(all.end(), {"--set", "checks.stall_limit=120"});  // before its time is over: it names what loops
   run.code = run_program(all, folder + ".log", seconds);
   if (run.code != 0) run.errors = errors_in(folder + ".log");
   if (run.code == 128 + SIGSEGV) run.errors = "it reads or writes memory that is not its own";

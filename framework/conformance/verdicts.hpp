@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/activity.hpp"
+
 namespace kerf {
 
 enum class Outcome { pass, fail, note };  // a note is told, and fails nothing
@@ -27,8 +29,10 @@ class Verdicts {
   bool wants(const std::string& check) const {
     return checks_.empty() || std::find(checks_.begin(), checks_.end(), check) != checks_.end();
   }
+  /// A failure is told whether its check is wanted or not: what could not be tested has not passed.
   void add(Outcome outcome, const std::string& check, std::string sentence) {
-    if (wants(check)) rows_.push_back({type_, check, outcome, std::move(sentence)});
+    activity::beat();
+    if (wants(check) || outcome == Outcome::fail) rows_.push_back({type_, check, outcome, std::move(sentence)});
   }
   void pass(const std::string& check, std::string sentence) { add(Outcome::pass, check, std::move(sentence)); }
   void fail(const std::string& check, std::string sentence) { add(Outcome::fail, check, std::move(sentence)); }

@@ -145,9 +145,10 @@ class CellPart {
     std::vector<Vec3> x, v;
     std::vector<std::vector<double>> records;
     double time = 0.0;
+    std::int64_t cycle = 0;
   };
   Snapshot save() const {
-    Snapshot s{x, v, {}, time_};
+    Snapshot s{x, v, {}, time_, cycle_};
     for (int e = 0; e < n_elements(); ++e) {
       s.records.emplace_back(static_cast<std::size_t>(store_.record_size()));
       store_.pack(e, s.records.back().data());
@@ -158,6 +159,7 @@ class CellPart {
     x = s.x;
     v = s.v;
     time_ = s.time;
+    cycle_ = s.cycle;
     for (int e = 0; e < n_elements(); ++e) store_.put(e, e, elements_[e].data(), s.records[e].data());
   }
 

@@ -86,6 +86,7 @@ class Driver {
     curve.rows.push_back(cell.row());
     cell.confine();
     if (cell.time() > 0.0) curve.rows.push_back(cell.row());
+    for (Reference& r : references) r.see(0.0, cell.row());
     const std::vector<double> stops = stops_of(motion, references);
     const double most = motion.end() / (static_cast<double>(path.steps) * refine_);
     const double between_rows = motion.end() / static_cast<double>(path.rows);

@@ -172,6 +172,24 @@ double DrivenCell::change_for_lateral_stress(double time, double dt) {
   return root_between(low, f_low, high, f_high, exact_stress, excess);
 }
 
+/// Throws where the stress that was to be kept is not, as where a law's stress jumps, and where it is kept along one
+/// axis only. A unit in the last place of the stretch changes the stress of a stiff solid by 1e-15 of it; a millionth
+/// is far above that, and far below what anybody reads.
+void DrivenCell::require_lateral_stress(double time) const {
+  const SymTensor s = part_.stress(0);
+  const double allowed = 1e-6 * (std::fabs(s.xx) + std::fabs(s.yy) + std::fabs(s.zz)) + 1.0;
+  if (std::fabs(s.zz - s.yy) > allowed)
+    throw std::runtime_error(fmt::format(
+        "the lateral stresses are {:.6g} and {:.6g} Pa at {:.6g} s: the law is not isotropic, and {} keeps one "
+        "of them only; expected a path of strains, or a history",
+        s.yy, s.zz, time, path_.type));
+  if (!(std::fabs(s.yy - target_) <= allowed))
+    throw std::runtime_error(fmt::format(
+        "the lateral stress jumps between {:.6g} Pa and beyond {:.6g} Pa at {:.6g} s, so that no strain keeps "
+        "it; expected a path of strains, or shorter steps",
+        s.yy, target_, time));
+}
+
 void DrivenCell::advance(double time) {
   const double dt = time - time_;
   const bool isotropic_still = path_.isotropic_until > 0.0 && time <= path_.isotropic_until * (1.0 + 1e-9);
@@ -181,6 +199,7 @@ void DrivenCell::advance(double time) {
   } else if (path_.keeps_lateral_stress()) {
     change_ = change_for_lateral_stress(time, dt);
     lateral_ += change_;
+    require_lateral_stress(time);
   } else {
     move(motion_.at(time), dt);
   }

@@ -39,6 +39,7 @@ class DrivenCell {
   void set_initial_state();
   void move(const Deformation& to, double dt);
   double change_for_lateral_stress(double time, double dt);
+  void require_lateral_stress(double time) const;
   void isotropic(double stretch, double dt);
   void check() const;
   std::vector<const StateVariable*> variables() const;  // of all laws; of two with the same name the first

@@ -43,7 +43,7 @@ bool contains(const std::vector<std::int64_t>& rows, std::size_t row) {
 
 Reference::Reference(const ReferenceInput& input, const std::string& folder, const std::string& where,
                      const std::vector<DrivenColumn>& columns, double end)
-    : input_(input), where_(where) {
+    : input_(input), where_(where), same_time_(1e-12 * end) {
   const std::string path = (std::filesystem::path(folder) / input.file).string();
   std::string failure;
   const std::string text = read_text_file(path, failure);
@@ -100,8 +100,7 @@ double Reference::tolerance_of(const std::string& column) const {
 }
 
 void Reference::see(double time, const std::vector<double>& row) {
-  while (next_ < times_.size() && times_[next_] < time * (1.0 - 1e-12)) ++next_;
-  if (next_ >= times_.size() || times_[next_] > time * (1.0 + 1e-12)) return;
+  if (next_ >= times_.size() || std::fabs(times_[next_] - time) > same_time_) return;
   const std::size_t r = next_++;
   if (contains(input_.skip, r)) return;
   const bool is_loose = contains(input_.loose, r);
@@ -121,7 +120,8 @@ std::vector<DriveCheck> Reference::checks() const {
   for (const Compared& c : columns_) {
     const double scale = c.greatest > 0.0 ? c.greatest : 1.0, tolerance = tolerance_of(c.name);
     if (tolerance < 0.0) continue;
-    const double lost = ended_early ? std::numeric_limits<double>::quiet_NaN() : 0.0;
+    // A path that ended early, and rows that are all skipped, have compared nothing.
+    const double lost = ended_early || c.n == 0 ? std::numeric_limits<double>::quiet_NaN() : 0.0;
     all.push_back({c.name, input_.file, c.most / scale + lost, tolerance, c.row});
     if (const auto rms = input_.rms.find(c.name); rms != input_.rms.end())
       all.push_back({"rms of " + c.name, input_.file,

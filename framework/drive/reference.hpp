@@ -35,6 +35,7 @@ class Reference {
 
   const ReferenceInput& input_;
   std::string where_;
+  double same_time_;  // times that differ by less are one [s]
   std::vector<double> times_;
   std::vector<Compared> columns_;
   std::size_t next_ = 0;

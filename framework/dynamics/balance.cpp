@@ -46,7 +46,14 @@ bool Balancer::due(const Model& model, const Step& step, double cycles_left) {
   if (model.n_ranks() == 1) return false;
   if (input_.force_interval > 0 && step.cycle % input_.force_interval == 0) return true;
   // Once, while all ranks have the same policy: what it is asked later, it is asked on rank 0.
-  if (interval_ < 0) interval_ = input_.enabled ? input_.policy->check_interval() : 0;
+  if (interval_ < 0) {
+    interval_ = input_.enabled ? input_.policy->check_interval() : 0;
+    if (interval_ < 0)
+      throw PhysicsError(
+          fmt::format("the balance policy {} ({}) wants to be asked every {} cycles; expected a number from 0 "
+                      "on",
+                      input_.policy->type, input_.policy->origin, interval_));
+  }
   return interval_ > 0 && step.cycle % interval_ == 0 && ask(model, step, cycles_left);
 }
 
@@ -79,15 +86,18 @@ bool Balancer::ask(const Model& model, const Step& step, double cycles_left) {
   return moves == 1;
 }
 
-std::vector<double> Balancer::policy_state(MPI_Comm comm) const {
-  std::vector<double> numbers = input_.policy->state();
-  MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, comm);
-  return numbers;
+PolicyProgress Balancer::policy_progress(MPI_Comm comm) const {
+  PolicyProgress p{input_.policy->type, input_.policy->state()};
+  std::int64_t size = static_cast<std::int64_t>(p.numbers.size());
+  MPI_Bcast(&size, 1, MPI_INT64_T, 0, comm);
+  p.numbers.resize(static_cast<std::size_t>(size));  // on other ranks, whose policies are never asked
+  MPI_Bcast(p.numbers.data(), static_cast<int>(size), MPI_DOUBLE, 0, comm);
+  return p;
 }
 
-void Balancer::restore(std::int64_t last_cycle, const std::vector<double>& policy_state) {
+void Balancer::restore(std::int64_t last_cycle, const PolicyProgress& progress) {
   last_cycle_ = last_cycle;
-  if (policy_state.size() == input_.policy->state().size()) input_.policy->restore(policy_state);
+  if (progress.type == input_.policy->type) input_.policy->restore(progress.numbers);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "kerf/balance_policy.hpp"
@@ -9,6 +10,12 @@
 #include "model/step.hpp"
 
 namespace kerf {
+
+/// What a policy keeps, and which type has kept it.
+struct PolicyProgress {
+  std::string type;
+  std::vector<double> numbers;
+};
 
 class Balancer {
  public:
@@ -27,9 +34,9 @@ class Balancer {
   const std::vector<BalanceMove>& records() const { return records_; }
   std::int64_t last_cycle() const { return last_cycle_; }
   /// What restart files keep beside the last cycle: rank 0's, whose policy is asked. Collective.
-  std::vector<double> policy_state(MPI_Comm comm) const;
-  /// A state of another policy, or of none, is not taken up: how a model is distributed may change at a restart.
-  void restore(std::int64_t last_cycle, const std::vector<double>& policy_state);
+  PolicyProgress policy_progress(MPI_Comm comm) const;
+  /// The numbers of another type of policy are not taken up: how a model is distributed may change at a restart.
+  void restore(std::int64_t last_cycle, const PolicyProgress& progress);
 
  private:
   std::vector<int> partition(const Model& model) const;

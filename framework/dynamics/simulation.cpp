@@ -106,6 +106,8 @@ void Simulation::start_forces() {
   std::copy(at_start_.force.begin(), at_start_.force.end(), model_.nodes.force.begin());
   const Step none;
   loads_.add_forces(model_, none);
+  // What contact has seen in an earlier try must not shorten the first step.
+  resumed_contact_step_ = std::numeric_limits<double>::max();
   reduce(none, at_start_.report);
   first_stable_ = reduction_.least_step;
   if (!contacts_.empty()) start_contact(at_start_.report);
@@ -431,7 +433,7 @@ Simulation::Progress Simulation::progress() const {
   p.last_dt = clock_.last_dt();
   p.cycle = clock_.cycle();
   p.last_rebalance = balancer_.last_cycle();
-  p.balance_policy = balancer_.policy_state(model_.comm);
+  p.balance_policy = balancer_.policy_progress(model_.comm);
   p.element_cycles = element_cycles_;
   p.reduction = reduction_;
   p.first_stable = first_stable_;

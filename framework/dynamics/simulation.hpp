@@ -102,7 +102,7 @@ class Simulation {
   struct Progress {
     double time = 0.0, last_dt = 0.0;
     std::int64_t cycle = 0, last_rebalance = 0, element_cycles = 0;
-    std::vector<double> balance_policy;  // what the policy keeps
+    PolicyProgress balance_policy;
     StepReduction reduction;
     double first_stable = 0.0, contact_step = 0.0;
     ForceByNode contact_force;  // any superset of the nodes of this rank

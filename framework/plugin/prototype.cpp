@@ -55,6 +55,10 @@ constexpr std::integral_constant<std::size_t, 9> nine;
 class Answer {
  public:
   explicit Answer(std::vector<double> all) : all_(std::move(all)) {}
+  /// To be called when all rows have been taken.
+  void end() const {
+    if (at_ != all_.size()) throw std::runtime_error("Python has answered with too many numbers");
+  }
   void take(double* row) {
     if (at_ + lane_width > all_.size()) throw std::runtime_error("Python has answered with too few numbers");
     for (int l = 0; l < lane_width; ++l) row[l] = all_[at_++];
@@ -91,6 +95,7 @@ class Prototype : public Base, public WarningLaw {
   }
   void take_state(Answer& answer, double* state) const {
     for (std::size_t v = 0; v < this->state_variables().size(); ++v) answer.take(state + v * lane_width);
+    answer.end();
   }
   const PrototypeType& of() const { return *of_; }
 

@@ -8,13 +8,16 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
+#include "core/activity.hpp"
 #include "core/shared_folder.hpp"
+#include "kerf/math.hpp"
 
 extern char** environ;
 
@@ -33,7 +36,7 @@ std::string python_program() {
 
 }  // namespace
 
-PrototypeHost::PrototypeHost(const std::string& file) : file_(file) {
+PrototypeHost::PrototypeHost(const std::string& file) : file_(file), at_work_("a law of " + file) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     throw std::runtime_error(fmt::format("{}: no socket to Python: {}", file, std::strerror(errno)));
@@ -41,8 +44,8 @@ PrototypeHost::PrototypeHost(const std::string& file) : file_(file) {
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], 3);
   std::string python = python_program(), script = host_script(), path = file;
-  std::string isolated = "-B";
-  char* arguments[] = {python.data(), isolated.data(), script.data(), path.data(), nullptr};
+  std::string no_cache = "-B";
+  char* arguments[] = {python.data(), no_cache.data(), script.data(), path.data(), nullptr};
   const int status = posix_spawnp(&process_, python.c_str(), &actions, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);
@@ -53,12 +56,22 @@ PrototypeHost::PrototypeHost(const std::string& file) : file_(file) {
         fmt::format("{}: a law in Python needs Python, but {} cannot be started: {}; set KERF_PYTHON", file, python,
                     std::strerror(status)));
   }
-  laws_ = nlohmann::json::parse(request({{"do", "describe"}}, {}));
+  try {
+    laws_ = nlohmann::json::parse(request({{"do", "describe"}, {"lanes", lane_width}}, {}));
+  } catch (...) {
+    end();
+    throw;
+  }
 }
 
-PrototypeHost::~PrototypeHost() {
-  close(socket_);  // Python ends when nobody listens any longer
-  if (process_ > 0) waitpid(process_, nullptr, 0);
+PrototypeHost::~PrototypeHost() { end(); }
+
+/// Python has nothing that is to be saved.
+void PrototypeHost::end() {
+  close(socket_);
+  if (process_ <= 0) return;
+  kill(process_, SIGKILL);
+  waitpid(process_, nullptr, 0);
 }
 
 void PrototypeHost::send_all(const void* data, std::size_t size) {
@@ -82,6 +95,7 @@ void PrototypeHost::receive_all(void* data, std::size_t size) {
 }
 
 std::string PrototypeHost::request(const nlohmann::json& head, const std::vector<double>& numbers) {
+  const activity::Phase phase(at_work_.c_str());
   const std::string text = head.dump();
   const std::uint64_t sizes[2] = {text.size(), numbers.size()};
   send_all(sizes, sizeof sizes);

@@ -21,7 +21,9 @@ void Registry::add_made(Description description, std::function<Made()> make) {
 }
 
 void Registry::note_file(const std::string& name, std::uint64_t checksum) {
-  files_ += fmt::format("{} {:016x}\n", name, checksum);
+  noted_.insert(fmt::format("{} {:016x}\n", name, checksum));
+  files_.clear();
+  for (const std::string& line : noted_) files_ += line;
 }
 
 const Description* Registry::find(const std::string& kind, const std::string& name) const {

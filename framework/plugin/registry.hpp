@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ class Registry final : public Registrar {
     std::function<Made()> make;
   };
   std::map<std::pair<std::string, std::string>, Entry> entries_;
+  std::set<std::string> noted_;  // sorted: the order of loading does not matter
   std::string files_;
 };
 

@@ -4,9 +4,11 @@ A request is two 64-bit numbers, the length of a JSON text and a count of double
 for success) and a length, then so many bytes: JSON, a number, doubles, or what went wrong.
 """
 
+import ctypes
 import json
 import os
 import re
+import signal
 import socket
 import struct
 import sys
@@ -15,7 +17,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 INPUTS = {"length": (1, 1), "initial_length": (2, 1), "reference_position": (4, 3), "rotation": (8, 9)}
-LANES = 8
+LANES = 8  # points of a block, as the first request tells
 
 
 class Trouble(Exception):
@@ -190,6 +192,7 @@ def serve(path, channel):
         return bytes(data)
 
     laws, objects = [], []
+    global LANES
     while True:
         text_size, count = struct.unpack("=QQ", receive(16))
         head, raw = json.loads(receive(text_size)), receive(8 * count)
@@ -197,6 +200,7 @@ def serve(path, channel):
             if head["do"] == "describe":
                 import numpy  # noqa: F401  its absence is told here
 
+                LANES = head["lanes"]
                 laws = laws_of(path)
                 answer = json.dumps([describe(law) for law in laws]).encode()
             elif head["do"] == "make":
@@ -207,11 +211,16 @@ def serve(path, channel):
 
                 answer = objects[head["object"]].compute(np.frombuffer(raw)).tobytes()
             status = 0
-        except Exception:
+        except BaseException:  # a law that calls sys.exit() is wrong, too
             status, answer = 1, last_place(path).encode()
         channel.sendall(struct.pack("=QQ", status, len(answer)) + answer)
 
 
 if __name__ == "__main__":
+    # Signals are for the program: it ends this process by closing the socket, and takes it along when it dies.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    PR_SET_PDEATHSIG = 1
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     os.dup2(2, 1)  # what a law prints must not mix with the output of the program
     serve(sys.argv[1], socket.socket(fileno=3))

@@ -240,8 +240,9 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   let_go_counts.insert(let_go_counts.end(), let_go.by_part.begin(), let_go.by_part.end());
   file.write_attribute("let_go", let_go_counts);
   file.write_attribute("contact", std::vector<double>{let_go.deepest, let_go.first_time});
-  if (!p.balance_policy.empty()) file.write_attribute("balance_policy", p.balance_policy);
-  if (!output.plugin_files.empty()) file.write_attribute("plugin_files", output.plugin_files);
+  file.write_attribute("balance_policy", p.balance_policy.type);
+  if (!p.balance_policy.numbers.empty()) file.write_attribute("balance_policy_state", p.balance_policy.numbers);
+  file.write_attribute("plugin_files", "plugins:\n" + output.plugin_files);  // no attribute is empty
   write_observers(file, simulation, output.observers);
   write_nodes(file, simulation);
   write_elements(file, model);
@@ -268,7 +269,8 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   p.contact_step = clock.at(4);
   p.cycle = counters.at(0);
   p.last_rebalance = counters.at(1);
-  if (file.has_attribute("balance_policy")) p.balance_policy = file.reals("balance_policy");
+  if (file.has_attribute("balance_policy")) p.balance_policy.type = file.text("balance_policy");
+  if (file.has_attribute("balance_policy_state")) p.balance_policy.numbers = file.reals("balance_policy_state");
   p.element_cycles = counters.at(2);
   p.reduction.least_id = counters.at(3);
   read_side_books(file, path, simulation);
@@ -285,9 +287,10 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
                                   .first_time = taken.at(1)};
   }
   simulation.resume(p);
-  const std::string plugin_files = file.has_attribute("plugin_files") ? file.text("plugin_files") : std::string{};
-  return {counters.at(4),       due.at(0),   due.at(1), due.at(2), file.integers("eroded_by"),
-          read_observers(file), plugin_files};
+  const bool knows = file.has_attribute("plugin_files");
+  const std::string plugin_files = knows ? file.text("plugin_files").substr(std::string("plugins:\n").size()) : "";
+  return {counters.at(4),       due.at(0),    due.at(1), due.at(2), file.integers("eroded_by"),
+          read_observers(file), plugin_files, knows};
 }
 
 }  // namespace kerf

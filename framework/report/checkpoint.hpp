@@ -15,6 +15,7 @@ struct OutputProgress {
   std::vector<std::int64_t> eroded_by;  // elements eroded so far, per part and criterion
   std::vector<ObserverProgress> observers = {};
   std::string plugin_files = {};  // that the run was computed with, see Registry::files()
+  bool knows_plugins = false;  // false for files from before they were noted
 };
 
 /// Collective.

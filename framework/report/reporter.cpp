@@ -98,7 +98,7 @@ void Reporter::start_anew(const std::string& folder) {
 void Reporter::resume(const std::string& folder) {
   const Model& model = simulation_.model();
   due_ = read_newest_restart();
-  if (due_.plugin_files != settings_.plugin_files)
+  if (due_.knows_plugins && due_.plugin_files != settings_.plugin_files)
     simulation_.warn(
         "warning: the run began with other plugins, or with other builds of them, than it goes on with; what "
         "comes is computed by the present ones, and its bits are not those of one run");

@@ -271,3 +271,26 @@ def test_a_picture_of_nothing_is_an_error(tmp_path):
     assert drive(tmp_path, [SHEARS], pictures=bad).returncode == 0
     done = draw(tmp_path)
     assert done.returncode == 1 and "none.csv" in done.stderr and "Traceback" not in done.stderr
+
+
+# ---- laws that are not isotropic
+
+def test_a_law_that_is_not_isotropic_cannot_keep_a_lateral_stress(tmp_path):
+    (tmp_path / "fibre.py").write_text('''
+from kerf_laws import Material, deviator
+
+
+class Fibre(Material):
+    "twice as stiff along y"
+
+    def update(self, p):
+        d = 2e11 * deviator(p.strain_increment)
+        d[1] *= 2
+        p.deviator += deviator(d)
+        return 2e11
+''')
+    fibre = STEEL | {"strength": {"type": "fibre"}}
+    done = drive(tmp_path, [{"type": "uniaxial_stress", "strains": [0, 0.01], "rate": 1}], {"fibre": fibre},
+                 plugins=["fibre.py"])
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert "the law is not isotropic, and uniaxial_stress keeps one" in done.stderr

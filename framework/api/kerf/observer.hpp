@@ -190,6 +190,7 @@ class Observer : public Plugin {
   /// Element fields and node fields that are named in the input, for its validation.
   virtual std::vector<std::string> element_fields() const { return {}; }
   virtual std::vector<std::string> node_fields() const { return {}; }
+  /// The same on all ranks and throughout a run.
   virtual ObserverCalls calls() const { return {}; }
 
   /// Looks at the undeformed model, before the first step and before a resumed run takes up its state. What is thrown

@@ -412,7 +412,7 @@ inline BodySurface undeformed_face(const MeasureModel& model, int part, Vec3 dir
 inline void join_mirror_image(BodySurface& surface, Vec3 normal, Vec3 point, int plane) {
   const Vec3 s = unit(normal);
   const auto height = [&](Vec3 x) { return dot(x - point, s); };
-  // body_detail::Vertices within a millionth of the body's height above the plane are their own image.
+  // Vertices within a millionth of the body's height above the plane are their own image.
   double highest = 0.0;
   for (const Vec3 x : surface.reference) highest = std::max(highest, std::fabs(height(x)));
   const std::size_t n_vertices = surface.reference.size();
