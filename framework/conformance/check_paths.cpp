@@ -30,7 +30,7 @@ double slope_of(const std::vector<double>& errors) {
   const double n = static_cast<double>(errors.size());
   double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    const double x = static_cast<double>(i), y = std::log2(errors[i]);
+    const double x = static_cast<double>(i), y = kerf::log(errors[i]) / kerf::log(2.0);
     sx += x, sy += y, sxx += x * x, sxy += x * y;
   }
   return -(n * sxy - sx * sy) / (n * sxx - sx * sx);

@@ -65,7 +65,7 @@ void LawPoints::shake(LawBlock<Real>& b, std::mt19937& random) const {
     // What accumulates must not fall.
     for (std::size_t r = 0; r < reads.size(); ++r)
       b.reads[r][l] += 0.05 * likely_value(reads[r].name, 0.5 * (1.0 + u(random)));
-    const double amount = std::pow(10.0, -4.0 + 2.5 * u(random));  // 3e-7 to 0.03: elastic to far beyond yield
+    const double amount = kerf::pow(10.0, -4.0 + 2.5 * u(random));  // 3e-7 to 0.03: elastic to far beyond yield
     for (int i = 0; i < 6; ++i) b.strain[i][l] = static_cast<Real>(amount * u(random));
     b.rest[0][l] = static_cast<Real>(density_ * (1.0 + 0.05 * u(random)));
     b.rest[1][l] = static_cast<Real>(1e5 * (1.0 + u(random)));

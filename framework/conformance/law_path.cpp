@@ -56,7 +56,7 @@ double size_of_quantity(const PathRecord& r, std::size_t q) {
 }  // namespace
 
 Rotation rotation_about(Vec3 n, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle), d = 1.0 - c;
+  const double c = kerf::cos(angle), s = kerf::sin(angle), d = 1.0 - c;
   return {c + d * n.x * n.x,       d * n.x * n.y - s * n.z, d * n.x * n.z + s * n.y,
           d * n.y * n.x + s * n.z, c + d * n.y * n.y,       d * n.y * n.z - s * n.x,
           d * n.z * n.x - s * n.y, d * n.z * n.y + s * n.x, c + d * n.z * n.z};
@@ -64,9 +64,10 @@ Rotation rotation_about(Vec3 n, double angle) {
 
 Deformation StretchPath::stretch(double time) const {
   const double u = time / duration;
-  const double a = strain * std::sin(2.0 * pi * u);  // loads, unloads, reverses
-  const double b = strain * std::pow(std::sin(pi * u), 2) * (1.0 - 0.5 * u);
-  const double c = compression * (0.3 * std::sin(2.0 * pi * u) - std::pow(std::sin(pi * u), 2)) / 3.0;
+  const double a = strain * kerf::sin(2.0 * pi * u);  // loads, unloads, reverses
+  const double half_wave = kerf::sin(pi * u), hill = half_wave * half_wave;
+  const double b = strain * hill * (1.0 - 0.5 * u);
+  const double c = compression * (0.3 * kerf::sin(2.0 * pi * u) - hill) / 3.0;
   Deformation d;
   d.f[0][0] += a + c;
   d.f[1][1] += -0.5 * a + 0.4 * b + c;
