@@ -27,7 +27,8 @@ struct BalanceState {
   double imbalance = 1.0;  // greatest over mean work of the ranks, from the work model
   double mean_work = 0.0;  // of the ranks, in element cycles of hex8 with an elastic-plastic material
   std::int64_t cycles_since_move = 0;  // since the last re-balance, or since the start of the run
-  std::span<const BalanceMove> moves;  // since the run was started or resumed
+  /// Since the run was started or resumed; the first distribution is among them, with cycle 0.
+  std::span<const BalanceMove> moves;
 };
 
 /// Decides when elements migrate. The work of ranks is modelled, never measured, so that runs repeat; results do not
