@@ -83,12 +83,24 @@ int this_year() {
   return utc.tm_year + 1900;
 }
 
+/// What plugins of a kind need beside Kerf, in CMake: packages to find, and targets to link.
+struct Needs {
+  std::string packages, link;
+};
+
+Needs needs_of(const std::string& kind) {
+  if (kind == "partitioner") return {"find_package(MPI REQUIRED COMPONENTS CXX)\n", " LINK MPI::MPI_CXX"};
+  return {};
+}
+
 Files filled_in(const Files& templates, const std::string& kind, const std::string& name) {
   const bool is_law = templates.contains("tests/point.yaml");
   const std::map<std::string, std::string> values = {
       {"@NAME@", name},
       {"@TYPE@", pascal_case(name)},
       {"@KIND@", kind},
+      {"@PACKAGES@", needs_of(kind).packages},
+      {"@LINK@", needs_of(kind).link},
       {"@VERSION@", KERF_VERSION},
       {"@DATE_YEAR@", std::to_string(this_year())},
       {"@POINT_FILES@",

@@ -17,10 +17,17 @@ double likely_value(const std::string& variable, double u) {
   return u;
 }
 
-/// Where a criterion that softens writes what is left of pressures in compression, if its batch has that.
-template <class Batch>
-void set_compression(Batch& batch, double* row) {
-  if constexpr (requires { batch.compression; }) batch.compression = row;
+/// The rows that the batches of materials, in both precisions, and of solids have in common.
+template <class Batch, class Real>
+void fill_stress_rows(Batch& m, LawBlock<Real>& b, double density) {
+  m.reference_density = density;
+  m.strain_increment = b.strain;
+  m.density = b.rest[0];
+  m.specific_energy = b.rest[1];
+  m.pressure = b.rest[2];
+  m.deviator = b.deviator;
+  m.state = b.state[0];
+  m.shear_modulus = b.outputs[0];
 }
 
 }  // namespace
@@ -93,50 +100,28 @@ void LawPoints::apply(LawBlock<float>& b) const {
   SingleMaterialBatch m;
   std::array<const double*, LawBlock<float>::most_reads> reads;
   fill(m, b, reads);
-  m.reference_density = density_;
-  m.strain_increment = b.strain;
-  m.density = b.rest[0];
-  m.specific_energy = b.rest[1];
-  m.pressure = b.rest[2];
-  m.deviator = b.deviator;
-  m.state = b.state[0];
-  m.shear_modulus = b.outputs[0];
+  fill_stress_rows(m, b, density_);
   material_->update_single(m);
 }
 
 template <>
 void LawPoints::apply(LawBlock<double>& b) const {
   std::array<const double*, LawBlock<double>::most_reads> reads;
-  const auto common = [&](auto& batch) {
-    fill(batch, b, reads);
-    batch.state = b.state[0];
-  };
   if (material_ != nullptr) {
     MaterialBatch m;
-    common(m);
-    m.reference_density = density_;
-    m.strain_increment = b.strain;
-    m.density = b.rest[0];
-    m.specific_energy = b.rest[1];
-    m.pressure = b.rest[2];
-    m.deviator = b.deviator;
-    m.shear_modulus = b.outputs[0];
+    fill(m, b, reads);
+    fill_stress_rows(m, b, density_);
     material_->update(m);
   } else if (solid_ != nullptr) {
     SolidBatch m;
-    common(m);
-    m.reference_density = density_;
-    m.strain_increment = b.strain;
-    m.density = b.rest[0];
-    m.specific_energy = b.rest[1];
-    m.pressure = b.rest[2];
-    m.deviator = b.deviator;
-    m.shear_modulus = b.outputs[0];
+    fill(m, b, reads);
+    fill_stress_rows(m, b, density_);
     m.bulk_modulus = b.outputs[1];
     solid_->update(m);
   } else if (eos_ != nullptr) {
     EosBatch e;
-    common(e);
+    fill(e, b, reads);
+    e.state = b.state[0];
     e.reference_density = density_;
     e.density = b.rest[0];
     e.specific_energy = b.rest[1];
@@ -146,7 +131,8 @@ void LawPoints::apply(LawBlock<double>& b) const {
     eos_->evaluate(e);
   } else {
     ErosionBatch e;
-    common(e);
+    fill(e, b, reads);
+    e.state = b.state[0];
     alignas(64) double ratio[lane_width], volume[lane_width], time_step[lane_width];
     for (int l = 0; l < lane_width; ++l) {
       ratio[l] = b.rest[0][l] / density_;
@@ -163,7 +149,7 @@ void LawPoints::apply(LawBlock<double>& b) const {
     e.failed = b.outputs[1];
     e.strength = b.outputs[2];
     e.tension = b.outputs[3];
-    set_compression(e, b.outputs[4]);
+    e.compression = b.outputs[4];
     criterion_->judge(e);
   }
 }

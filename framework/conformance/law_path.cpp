@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/units.hpp"
+#include "drive/initial_value.hpp"
 
 namespace kerf {
 
@@ -90,14 +90,8 @@ StretchPath path_of(const TypeSample& sample) {
 template <class Real>
 void set_initial_state(CellPart<Real>& part, const SampleLaws& laws) {
   for (const auto& [name, text] : laws.sample.settings.initial_state) {
-    const auto& all = laws.law->state_variables();
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&n = name](const StateVariable& v) { return v.name == n; });
-    if (found == all.end())
-      throw std::runtime_error(fmt::format("initial_state: {} keeps no variable \"{}\"", laws.sample.type(), name));
-    const Quantity value = to_si(text, found->unit);
-    if (!value.ok()) throw std::runtime_error(fmt::format("initial_state: `{}`: {}", name, value.error));
-    for (int e = 0; e < part.n_elements(); ++e) part.set_variable(name, e, value.value);
+    const double value = initial_value({laws.law}, laws.sample.type(), name, text);
+    for (int e = 0; e < part.n_elements(); ++e) part.set_variable(name, e, value);
   }
 }
 

@@ -31,7 +31,7 @@ bool ascends(const std::vector<double>& v) {
   return std::adjacent_find(v.begin(), v.end(), [](double a, double b) { return !(a < b); }) == v.end();
 }
 
-bool has_turning_points(const std::vector<double>& strains) {
+bool has_no_equal_neighbours(const std::vector<double>& strains) {
   return std::adjacent_find(strains.begin(), strains.end()) == strains.end();
 }
 
@@ -122,7 +122,7 @@ void PathInput::describe(Schema<PathInput>& s) {
          "given",
          [](const PathInput& p) {
            return p.strains.empty() || (p.strains.size() > 1 && begins_at_zero(p.strains) &&
-                                        (!p.times.empty() || has_turning_points(p.strains)));
+                                        (!p.times.empty() || has_no_equal_neighbours(p.strains)));
          });
   s.rule("strains", "a nominal strain of -1 or less leaves nothing of the element", [](const PathInput& p) {
     const auto possible = [](const std::vector<double>& all) {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "core/units.hpp"
-#include "input/parameter_text.hpp"
+#include "drive/initial_value.hpp"
 
 namespace kerf {
 
@@ -57,26 +57,15 @@ DrivenCell::DrivenCell(const DriveInput& input, const MaterialInput& material, E
 }
 
 void DrivenCell::set_initial_state() {
+  static const std::string energy = "specific_energy";
   for (const auto& [name, text] : path_.initial_state) {
-    std::vector<std::string> known = {"specific_energy"};
-    const StateVariable* variable = nullptr;
-    for (const Law* law : material_.laws())
-      for (const StateVariable& v : law->state_variables()) {
-        known.push_back(v.name);
-        if (v.name == name) variable = &v;
-      }
-    if (variable == nullptr && name != known.front())
-      throw std::runtime_error(fmt::format("initial_state: no law of material {} keeps \"{}\"{}", material_.name, name,
-                                           suggestion(name, known, "the variables")));
-    const Quantity value = to_si(text, variable ? variable->unit : "J/kg");
+    if (name != energy) {
+      part_.set_variable(name, 0, initial_value(material_.laws(), "material " + material_.name, name, text, {energy}));
+      continue;
+    }
+    const Quantity value = to_si(text, "J/kg");
     if (!value.ok()) throw std::runtime_error(fmt::format("initial_state: `{}`: {}", name, value.error));
-    if (variable && !variable->range.contains(value.value))
-      throw std::runtime_error(fmt::format("initial_state: `{}` = {} is outside of what the law takes: {}", name, text,
-                                           range_text(variable->range, variable->unit)));
-    if (variable)
-      part_.set_variable(name, 0, value.value);
-    else
-      part_.set(PartStore::internal_energy, 0, 0, value.value * part_.element_mass(0));
+    part_.set(PartStore::internal_energy, 0, 0, value.value * part_.element_mass(0));
   }
 }
 

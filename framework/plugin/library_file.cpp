@@ -46,13 +46,6 @@ std::uint64_t fnv1a(const std::string& bytes) {
   return hash;
 }
 
-std::string demangled(const char* name) {
-  int status = 0;
-  const std::unique_ptr<char, decltype(&std::free)> text(abi::__cxa_demangle(name, nullptr, nullptr, &status),
-                                                         &std::free);
-  return status == 0 && text ? text.get() : name;
-}
-
 /// Functions of the C++ library say nothing about who has called them.
 bool is_of_standard_library(const std::string& name) {
   return name.rfind("_ZNSt", 0) == 0 || name.rfind("_ZNKSt", 0) == 0 || name.rfind("_ZSt", 0) == 0 ||
@@ -60,6 +53,13 @@ bool is_of_standard_library(const std::string& name) {
 }
 
 }  // namespace
+
+std::string demangled(const std::string& symbol) {
+  int status = 0;
+  const std::unique_ptr<char, decltype(&std::free)> text(abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status),
+                                                         &std::free);
+  return status == 0 && text ? text.get() : symbol;
+}
 
 LibraryFile::LibraryFile(const std::string& path) {
   std::error_code unknown;
@@ -159,7 +159,7 @@ std::vector<LibraryFunction> LibraryFile::functions() const {
   std::vector<LibraryFunction> found;
   each_symbol(all_.n > 0 ? all_ : dynamic_, [&](const Elf64_Sym& symbol, const std::string& name) {
     if (ELF64_ST_TYPE(symbol.st_info) == STT_FUNC && symbol.st_size > 0 && !is_of_standard_library(name))
-      found.push_back({symbol.st_value, symbol.st_value + symbol.st_size, demangled(name.c_str())});
+      found.push_back({symbol.st_value, symbol.st_value + symbol.st_size, demangled(name)});
   });
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
   return found;

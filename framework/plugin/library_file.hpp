@@ -9,6 +9,9 @@
 
 namespace kerf {
 
+/// The name of a symbol as C++ writes it; the symbol itself where it is none of C++.
+std::string demangled(const std::string& symbol);
+
 /// A function of a library, by its place above the address that the library is loaded at.
 struct LibraryFunction {
   std::uint64_t begin = 0, end = 0;

@@ -1,14 +1,12 @@
 // Finds, reads, compares and opens shared libraries, in this order.
 #include "plugin/loader.hpp"
 
-#include <cxxabi.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <memory>
 #include <sstream>
 #include <stdexcept>
 
@@ -28,13 +26,6 @@ constexpr const char* manifest_of_interface_9 = "kerf_plugin_manifest";
 
 // dlopen searches the system's folders for a name without a slash, but a user means the file.
 std::string with_folder(const std::string& path) { return path.find('/') == std::string::npos ? "./" + path : path; }
-
-std::string demangled(const std::string& name) {
-  int status = 0;
-  const std::unique_ptr<char, decltype(&std::free)> text(abi::__cxa_demangle(name.c_str(), nullptr, nullptr, &status),
-                                                         &std::free);
-  return status == 0 && text ? text.get() : name;
-}
 
 /// What the system's loader says, with what to do about it.
 std::string loading_failure(const std::string& said) {
