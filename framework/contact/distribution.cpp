@@ -1,5 +1,6 @@
 // The ranks that slaves and facets of a contact definition are sent to.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -37,58 +38,64 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   }
   // Leaves some for slaves that join before the next search, and for the way that all make until then, as far as that
   // does not send many facets to ranks that do not need them.
-  const double reach = reach_of(model, slaves);
+  const auto [extent, reach] = extent_of(model, slaves);
   const double way = 2.0 * static_cast<double>(renewals - 1) * reach;
-  slave_reach_ =
-      1.5 * reach + std::min(way, spare_share * extent_of(model, slaves) / kerf::pow(model.n_ranks(), 1.0 / 3.0));
+  slave_reach_ = 1.5 * reach + std::min(way, spare_share * extent / kerf::pow(model.n_ranks(), 1.0 / 3.0));
+  has_facets_.assign(static_cast<std::size_t>(model.n_ranks()), 0);
+  introduced_.clear();
   send(model, slaves, facets);
 }
 
 /// Whether the present boxes of space share out the work badly. Collective.
 bool ContactEngine::uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
                            const std::vector<double>& weights) const {
-  std::vector<double> work(static_cast<std::size_t>(model.n_ranks()), 0.0);
-  for (std::size_t k = 0; k < slaves.size(); ++k) work[space_->owner(slaves[k].home)] += weights[k];
-  // From rank 0, because all must decide alike.
-  std::vector<double> sums(work.size());
-  MPI_Reduce(work.data(), sums.data(), model.n_ranks(), MPI_DOUBLE, MPI_SUM, 0, model.comm);
-  MPI_Bcast(sums.data(), model.n_ranks(), MPI_DOUBLE, 0, model.comm);
-  const double total = std::accumulate(sums.begin(), sums.end(), 0.0);
-  return *std::max_element(sums.begin(), sums.end()) * model.n_ranks() > worst_share * total;
+  // In whole numbers, whose sums are the same on all ranks.
+  constexpr double units = 1024.0;  // of the search for one slave
+  std::vector<std::int64_t> work(static_cast<std::size_t>(model.n_ranks()), 0);
+  for (std::size_t k = 0; k < slaves.size(); ++k)
+    work[space_->owner(slaves[k].home)] += std::llrint(units * weights[k]);
+  const Waiting waiting;
+  MPI_Allreduce(MPI_IN_PLACE, work.data(), model.n_ranks(), MPI_INT64_T, MPI_SUM, model.comm);
+  const auto total = static_cast<double>(std::accumulate(work.begin(), work.end(), std::int64_t{0}));
+  return static_cast<double>(*std::max_element(work.begin(), work.end())) * model.n_ranks() > worst_share * total;
 }
 
-/// Longest edge of the box round the homes of all slaves. Collective.
-double ContactEngine::extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
-  double longest = 0.0;
-  for (int d = 0; d < 3; ++d) {
-    double low = beyond, high = -beyond;
-    for (const ContactNodeRecord& s : slaves) {
-      low = std::min(low, s.home[d]);
-      high = std::max(high, s.home[d]);
+/// Longest edge of the box round the homes of all slaves, and how far any of them reaches. Collective.
+ContactEngine::Extent ContactEngine::extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
+  double most[7] = {-beyond, -beyond, -beyond, -beyond, -beyond, -beyond, farthest_reach(slaves)};
+  for (const ContactNodeRecord& s : slaves)
+    for (int d = 0; d < 3; ++d) {
+      most[d] = std::max(most[d], -s.home[d]);
+      most[3 + d] = std::max(most[3 + d], s.home[d]);
     }
-    longest = std::max(longest, greatest(model.comm, high) + greatest(model.comm, -low));
-  }
-  return longest;
+  const Waiting waiting;
+  MPI_Allreduce(MPI_IN_PLACE, most, 7, MPI_DOUBLE, MPI_MAX, model.comm);
+  return {std::max({most[0] + most[3], most[1] + most[4], most[2] + most[5], 0.0}), most[6]};
 }
 
-/// How far slaves reach out of the place that decides about their rank. Collective.
-double ContactEngine::reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const {
+/// How far slaves reach out of the place that decides about their rank.
+double ContactEngine::farthest_reach(const std::vector<ContactNodeRecord>& slaves) const {
   double reach = 0.0;
   for (const ContactNodeRecord& s : slaves)
     for (const auto& [box, frame] : {std::pair(&s.box, &common_frame_), std::pair(&s.own_box, &body_frames_[s.body])}) {
       const Vec3 home = s.home - frame->origin;
       for (int d = 0; d < 3; ++d) reach = std::max({reach, box->high[d] - home[d], home[d] - box->low[d]});
     }
-  return greatest(model.comm, std::min(reach, beyond));
+  return std::min(reach, beyond);
 }
 
-/// Replaces the records that this rank made by those that concern its box of space.
-void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& slaves,
-                         std::vector<ContactFacetRecord>& facets) {
-  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
-  std::vector<std::vector<ContactNodeRecord>> nodes_out(n_ranks);
-  for (const ContactNodeRecord& s : slaves) nodes_out[space_->owner(s.home)].push_back(s);
-  std::vector<std::vector<ContactFacetRecord>> facets_out(n_ranks);
+/// Puts records into the post of the ranks whose box of space they concern, and makes the owners of their nodes known
+/// to these ranks.
+void ContactEngine::put(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets,
+                        Post& post) {
+  const auto introduce = [&](int owner, int holder) {
+    if (owner != holder && introduced_.emplace(owner, holder).second) post.put(Post::holders, owner, holder);
+  };
+  for (const ContactNodeRecord& s : slaves) {
+    const int r = space_->owner(s.home);
+    post.put(Post::slaves, r, s);
+    introduce(s.owner, r);
+  }
   std::vector<int> ranks;
   for (const ContactFacetRecord& f : facets) {
     Vec3 low, high;
@@ -98,12 +105,37 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
       high[d] = std::max(common + f.box.high[d], own + f.own_box.high[d]) + slave_reach_;
     }
     space_->owners(low, high, ranks);
-    for (const int r : ranks) facets_out[r].push_back(f);
+    for (const int r : ranks) {
+      post.put(Post::facets, r, f);
+      has_facets_[r] = 1;
+      for (const int owner : f.owners) introduce(owner, r);
+    }
   }
-  slaves.clear();
-  facets.clear();
-  for (const auto& list : all_to_all(model.comm, nodes_out)) slaves.insert(slaves.end(), list.begin(), list.end());
-  for (const auto& list : all_to_all(model.comm, facets_out)) facets.insert(facets.end(), list.begin(), list.end());
+}
+
+/// Replaces records by those that the post has brought.
+void ContactEngine::take(std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets,
+                         const Post& post) {
+  slaves = post.take<ContactNodeRecord>(Post::slaves);
+  facets = post.take<ContactFacetRecord>(Post::facets);
+  for (const ContactNodeRecord& s : slaves) channel_.meet_owner(s.owner);
+  int last = -1;
+  for (const ContactFacetRecord& f : facets)
+    for (const int owner : f.owners) {
+      if (owner != last) channel_.meet_owner(owner);
+      last = owner;
+    }
+  for (const int holder : post.take<int>(Post::holders)) channel_.meet_holder(holder);
+}
+
+/// Replaces the records that this rank made by those that concern its box of space. Collective.
+void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& slaves,
+                         std::vector<ContactFacetRecord>& facets) {
+  SparseExchange exchange(model.comm, Post::n_lists);
+  Post post(exchange, 0);
+  put(slaves, facets, post);
+  exchange.deliver();
+  take(slaves, facets, post);
 }
 
 }  // namespace kerf

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "kerf/shape.hpp"
@@ -16,7 +17,8 @@ ContactEngine::ContactEngine(const Model& model, const Contact& law, std::unique
       request_(law.request()),
       slaves_(model, request_.slaves),
       masters_(model, request_.masters),
-      space_(std::move(space)) {
+      space_(std::move(space)),
+      channel_(model.comm) {
   for (const auto& boundary : model.input->boundaries) mirrored_.emplace_back(model, boundary->nodes());
   measure_sight(model);
 }
@@ -87,40 +89,24 @@ void ContactEngine::count_candidates(const Model& model) {
   for (std::size_t k = 0; k < found_->slave.size(); ++k)
     counts[found_->slave[k]] = found_->candidates[k].end - found_->candidates[k].begin;
   n_candidates_.assign(static_cast<std::size_t>(model.nodes.n()), 0);
-  plan_->push_add(counts.data(), 1, n_candidates_.data(), 1, 1);
+  channel_.add_to_owners(counts, n_candidates_);
 }
 
-/// Asks for the candidates, and makes room for their nodes and, if there are new ones anywhere, a way to their owners.
-/// Collective.
+/// Asks for the candidates, makes room for their nodes, and asks the owners for the ones that are new. Collective.
 void ContactEngine::connect(const Model& model, bool fresh) {
   found_ = &search_->candidates();
-  const std::size_t n = found_->node_id.size();
-  if (!fresh && greatest(model.comm, std::int64_t{n != mass_.size() ? 1 : 0}) == 0) return;
-  position_.assign(4 * n, 0.0);
-  velocity_.assign(4 * n, 0.0);
-  mass_.assign(n, 0.0);
-  force_.assign(4 * n, 0);
-  friction_.assign(4 * n, 0);
-  share_.assign(MassSplit::width * n, 0);
-  load_ = {};
-  plan_.reset();
-  if (model.n_ranks() == 1) {
-    for (std::size_t i = 0; i < n; ++i) mass_[i] = model.nodes.mass[found_->node_local[i]];
-    load_.nodes = found_->node_local;
-  } else {
-    std::vector<Needed> needed(n);
-    for (std::size_t i = 0; i < n; ++i) needed[i] = {found_->node_id[i], found_->node_owner[i]};
-    plan_ = std::make_unique<ExchangePlan>(model.comm, needed, [&](std::int64_t id) { return model.local_node(id); });
-    plan_->pull(model.nodes.mass.data(), 1, mass_.data(), 1, 1);
-    load_.nodes = plan_->sources();
-    const auto n_local = static_cast<std::size_t>(model.nodes.n());
-    owned_force_.assign(4 * n_local, 0);
-    owned_share_.assign(MassSplit::width * n_local, 0);
-    owned_position_.assign(4 * n_local, 0.0);
-    owned_velocity_.assign(4 * n_local, 0.0);
+  const std::size_t n = found_->node_id.size(), before = fresh ? 0 : mass_.size();
+  if (fresh) {
+    active_.clear();
+    is_active_.clear();
   }
-  load_.force.assign(4 * load_.nodes.size(), 0);
-  load_.friction.assign(4 * load_.nodes.size(), 0);
+  position_.resize(4 * n);
+  velocity_.resize(4 * n);
+  pushed_velocity_.resize(4 * n);
+  mass_.resize(n);
+  for (auto* rows : {&force_, &friction_, &total_force_}) rows->resize(4 * n);
+  share_.resize(MassSplit::width * n);
+  channel_.request(*found_, before, [&model](std::int64_t id) { return model.local_node(id); });
 }
 
 void ContactEngine::search(Model& model, const Step& step) {
@@ -133,8 +119,8 @@ void ContactEngine::search(Model& model, const Step& step) {
   last_search_ = last_renewal_ = step.cycle;
   valid_ = true;
 
-  search_time_ = step.end() + dt_ahead();
-  horizon_ = search_time_ + static_cast<double>(law_.search_interval + 1) * step.dt;
+  search_time_ = step.end();
+  horizon_ = search_time_ + dt_ahead() + static_cast<double>(law_.search_interval + 1) * step.dt;
   track_of_.assign(static_cast<std::size_t>(model.nodes.n()), -1);
   tracked_.clear();
   own_boxes_.clear();
@@ -145,66 +131,93 @@ void ContactEngine::search(Model& model, const Step& step) {
   for (const std::int32_t i : surface)
     if (track(model, i, search_time_)) add_slave(model, tracked_.size() - 1, slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, exterior);
+  channel_.clear();
   if (model.n_ranks() > 1) distribute(model, slaves, facets);
   search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,
                                               model.n_ranks() == 1 ? track_of_.size() : 0);
   connect(model, true);
-  if (plan_) count_candidates(model);
+  if (model.n_ranks() > 1) count_candidates(model);
 }
 
-/// Foresees anew where nodes that have left their boxes, or will, may be, and looks for what they and the facets round
-/// them may touch. False if that takes a search. Collective.
-bool ContactEngine::refresh(Model& model, const Step& step, bool all_that_will_leave) {
+/// Foresees anew where the strays may be.
+void ContactEngine::foresee_strays(const Model& model, const Step& step) {
+  for (const auto& [k, boxes] : strays_) foresee(model, static_cast<std::size_t>(k), step.end(), boxes);
+}
+
+/// Records of the strays that this rank owns and that are slaves.
+std::vector<ContactNodeRecord> ContactEngine::stray_slaves(const Model& model) const {
   std::vector<ContactNodeRecord> slaves;
+  for (const auto& [k, boxes] : strays_) add_slave(model, static_cast<std::size_t>(k), slaves);
+  return slaves;
+}
+
+/// Looks for what the strays and the facets round them may touch. Collective.
+void ContactEngine::refresh(Model& model, bool all_that_will_leave) {
+  std::vector<ContactNodeRecord> slaves = stray_slaves(model);
   std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
-  for (const auto& [k, boxes] : strays_) {
-    foresee(model, static_cast<std::size_t>(k), step.end() + dt_ahead(), boxes);
-    stray[tracked_[k].node] = 1;
-    add_slave(model, static_cast<std::size_t>(k), slaves);
-  }
+  for (const auto& [k, boxes] : strays_) stray[tracked_[k].node] = 1;
   std::vector<ExteriorFacet> round = model.surface.exterior_round(model.surface_mesh(), stray);
   drop_mirrored(model, round);
   std::vector<ContactFacetRecord> facets = collect_facets(model, round);
-  if (model.n_ranks() > 1) {
-    if (reach_of(model, slaves) > slave_reach_) return false;
-    send(model, slaves, facets);
-  }
+  if (model.n_ranks() > 1) send(model, slaves, facets);
   if (all_that_will_leave)
     search_->renew(facets, slaves);
   else
     search_->refresh(facets, slaves);
   connect(model, false);
-  return true;
 }
 
-/// Sees to it that whatever may touch in this cycle is among the candidates, as long as that costs less than a search.
-/// False if it takes one. Collective.
-bool ContactEngine::keep_complete(Model& model, const Step& step) {
-  enum : std::int64_t { nothing, strays, renewal, everything };
-  const bool due = step.cycle - last_renewal_ >= law_.search_interval;
-  std::int64_t mine = nothing;
-  if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) {
-    mine = everything;
-  } else if (due || search_->stale()) {
-    mine = renewal;
-  } else {
-    find_strays(model, step);
-    if (!strays_.empty()) mine = strays;
-    if (strays_.size() > std::max(tracked_.size() / 100, std::size_t{64})) mine = renewal;
-  }
-  const std::int64_t need = greatest(model.comm, mine);
-  if (need == nothing) return true;
-  if (need == everything) return false;
-  if (need == strays) {
-    ++counts_.refreshes;
-    return refresh(model, step, false);
-  }
-  last_renewal_ = step.cycle;
+/// Adds the nodes to strays_ that need other boxes until the next renewal, and foresees all of strays_ anew.
+void ContactEngine::look_ahead(const Model& model, const Step& step) {
   horizon_ = step.end() + dt_ahead() + static_cast<double>(law_.search_interval + 1) * step.dt;
   find_outgrown(model, step);
-  const bool enough = refresh(model, step, true);
-  if (enough) ++counts_.renewals;
-  return enough;
+  foresee_strays(model, step);
+}
+
+bool ContactEngine::renewal_due(const Step& step) const { return step.cycle - last_renewal_ >= law_.search_interval; }
+
+SearchNeed ContactEngine::need(const Model& model, const Step& step, const Prediction& longest) {
+  if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) return SearchNeed::everything;
+  prediction_ = &longest;
+  SearchNeed mine = SearchNeed::nothing;
+  if (renewal_due(step)) {
+    strays_.clear();
+    look_ahead(model, step);
+    mine = SearchNeed::renewal;
+  } else {
+    find_strays(model, step);
+    foresee_strays(model, step);
+    if (!strays_.empty()) mine = SearchNeed::strays;
+    if (search_->stale() || strays_.size() > std::max(tracked_.size() / 100, std::size_t{64}))
+      mine = SearchNeed::renewal;
+  }
+  if (model.n_ranks() > 1 && farthest_reach(stray_slaves(model)) > slave_reach_) mine = SearchNeed::everything;
+  prediction_ = nullptr;
+  return mine;
+}
+
+/// Does what is needed so that whatever may touch in this cycle is among the candidates. Collective.
+void ContactEngine::keep_complete(Model& model, const Step& step, SearchNeed need) {
+  if (need == SearchNeed::nothing) return;
+  if (need == SearchNeed::strays) {
+    ++counts_.refreshes;
+    refresh(model, false);
+    return;
+  }
+  if (need == SearchNeed::renewal && !renewal_due(step)) {
+    // Not foretold by the count of cycles: nobody has looked so far ahead yet. The boxes of the strays of this step are
+    // new already, and still have to be told.
+    look_ahead(model, step);
+    const double reach = model.n_ranks() > 1 ? greatest(model.comm, farthest_reach(stray_slaves(model))) : 0.0;
+    if (reach > slave_reach_) need = SearchNeed::everything;
+  }
+  if (need == SearchNeed::everything) {
+    search(model, step);
+    return;
+  }
+  last_renewal_ = step.cycle;
+  refresh(model, true);
+  ++counts_.renewals;
 }
 
 /// Whether nodes without live elements take part at all.
@@ -216,29 +229,35 @@ bool ContactEngine::takes_free(const Model& model, int node) const {
   return keeps_free(model) && model.nodes.free[node] != 0 && model.nodes.mass[node] > 0.0;
 }
 
-void ContactEngine::surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
-                                    std::vector<ExteriorFacet> opened) {
+void ContactEngine::announce_change(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
+                                    std::vector<ExteriorFacet> opened, Post& post) {
   if (!valid_) return;
   drop_mirrored(model, opened);
-  std::vector<ContactNodeRecord> slaves;  // nodes that leave or join
-  untrack_free(model, slaves);
+  changed_slaves_.clear();
+  untrack_free(model, changed_slaves_);
   for (const std::int32_t i : surface_nodes(model, opened))
-    if (track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.size() - 1, slaves);
-  std::vector<ContactFacetRecord> facets = collect_facets(model, opened);
-  std::vector<std::int64_t> dead = dead_elements;
+    if (track_of_[i] < 0 && track(model, i, time)) add_slave(model, tracked_.size() - 1, changed_slaves_);
+  new_facets_ = collect_facets(model, opened);
+  dead_elements_ = dead_elements;
+  if (model.n_ranks() == 1) return;
+  // Facets of the search went as far as the slaves of the search could reach: one that reaches farther needs another
+  // search. The others hear of it before the next forces.
+  reaches_too_far_ = farthest_reach(changed_slaves_) > slave_reach_;
+  put(changed_slaves_, new_facets_, post);
+  for (std::size_t r = 0; r < has_facets_.size(); ++r)
+    for (const std::int64_t element : dead_elements)
+      if (has_facets_[r] != 0) post.put(Post::dead, static_cast<int>(r), element);
+}
+
+void ContactEngine::take_change(const Model& model, const Post& post) {
+  if (!valid_) return;
   if (model.n_ranks() > 1) {
-    // Facets of the search went as far as the slaves of the search could reach: one that reaches farther needs another.
-    if (reach_of(model, slaves) > slave_reach_) {
-      valid_ = false;
-      return;
-    }
-    send(model, slaves, facets);
-    std::vector<std::vector<std::int64_t>> to_all(static_cast<std::size_t>(model.n_ranks()), dead_elements);
-    dead.clear();
-    for (const auto& list : all_to_all(model.comm, to_all)) dead.insert(dead.end(), list.begin(), list.end());
+    take(changed_slaves_, new_facets_, post);
+    dead_elements_ = post.take<std::int64_t>(Post::dead);
   }
-  search_->change(dead, facets, slaves);
+  search_->change(dead_elements_, new_facets_, changed_slaves_);
   connect(model, false);
+  if (model.n_ranks() > 1 && reaches_too_far_) valid_ = false;
 }
 
 std::size_t ContactEngine::n_candidates() const {
@@ -280,54 +299,54 @@ Vec3 ContactEngine::predicted_x(const Model& model, int node) const {
 double ContactEngine::dt_ahead() const { return prediction_ ? prediction_->step().dt : 0.0; }
 
 void ContactEngine::pull(const Model& model) {
-  const auto predict = [&](std::int32_t node, double* position, double* velocity) {
+  const auto read = [&](std::int32_t node, double* row) {
     Prediction::Flight f{row_of(model.nodes.velocity.data(), node), row_of(model.nodes.position.data(), node)};
     if (prediction_) f = prediction_->flight(node);
     f.position[3] = f.held_axes;
-    set_row(position, 0, f.position);
-    set_row(velocity, 0, f.velocity);
+    f.velocity[3] = model.nodes.mass[node];
+    std::memcpy(row, &f.position, sizeof f.position);  // a message is not aligned like a vector
+    std::memcpy(row + 4, &f.velocity, sizeof f.velocity);
   };
-  if (!plan_) {
-    for (std::size_t i = 0; i < found_->node_local.size(); ++i)
-      predict(found_->node_local[i], &position_[4 * i], &velocity_[4 * i]);
-    return;
-  }
-  for (const std::int32_t n : load_.nodes)
-    predict(n, &owned_position_[4 * static_cast<std::size_t>(n)], &owned_velocity_[4 * static_cast<std::size_t>(n)]);
-  plan_->pull(owned_position_.data(), 4, position_.data(), 4, 4);
-  plan_->pull(owned_velocity_.data(), 4, velocity_.data(), 4, 3);
+  channel_.pull_states(read, [this](std::int32_t i, const double* row) {
+    std::copy_n(row, 4, &position_[4 * static_cast<std::size_t>(i)]);
+    std::copy_n(row + 4, 4, &velocity_[4 * static_cast<std::size_t>(i)]);
+    mass_[i] = row[7];
+  });
 }
 
-/// Sums what the touches of all ranks ask of the masses of nodes. Collective.
+/// Lists the nodes of all touches, and sums up what the touches of all ranks ask of the masses of nodes. Collective.
 void ContactEngine::split_masses(const ContactView& view, double quantum) {
-  std::fill(share_.begin(), share_.end(), 0);
+  list_active(view);
+  for (const std::int32_t i : active_)
+    std::fill_n(&share_[MassSplit::width * static_cast<std::size_t>(i)], MassSplit::width, 0);
   add_shares(view, touches_, {share_.data(), quantum});
-  if (!plan_) return;
-  constexpr int width = MassSplit::width;
-  for (const std::int32_t n : load_.nodes) std::fill_n(&owned_share_[width * static_cast<std::size_t>(n)], width, 0);
-  plan_->push_add(share_.data(), width, owned_share_.data(), width, width);
-  plan_->pull(owned_share_.data(), width, share_.data(), width, width);
+  channel_.activate(active_, share_);
 }
 
-/// The sums of all ranks for the nodes that this one owns: by local node, or by node of the view on one rank.
-const std::int64_t* ContactEngine::totals_of(const std::vector<std::int64_t>& sums) {
-  if (!plan_) return sums.data();
-  for (const std::int32_t n : load_.nodes) std::fill_n(&owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
-  plan_->push_add(sums.data(), 4, owned_force_.data(), 4, 3);
-  return owned_force_.data();
+/// Sets active_ to the nodes of the present touches, each once.
+void ContactEngine::list_active(const ContactView& view) {
+  is_active_.resize(static_cast<std::size_t>(view.n_nodes), 0);
+  for (const std::int32_t i : active_) is_active_[i] = 0;
+  active_.clear();
+  const auto join = [this](std::int32_t i) {
+    if (is_active_[i] != 0) return;
+    is_active_[i] = 1;
+    active_.push_back(i);
+  };
+  for (const ContactTouch& t : touches_.touches()) {
+    join(t.node);
+    if (t.second >= 0) join(t.second);
+    for (int k = 0; k < 4; ++k) join(view.facet_nodes[4 * static_cast<std::size_t>(t.facet) + k]);
+  }
 }
 
 /// Sets pushed_velocity_ to what the forces so far lead to. Collective.
 void ContactEngine::push_velocities(const Model& model) {
-  const std::int64_t* totals = totals_of(force_);
-  if (plan_) {
-    total_force_.resize(force_.size());
-    plan_->pull(owned_force_.data(), 4, total_force_.data(), 4, 3);
-    totals = total_force_.data();
-  }
+  channel_.sum(force_.data(), total_force_.data(), 4, 3);
   const double factor = model.quanta.force.quantum * prediction_->step().kick_dt();
-  for (std::size_t i = 0; i < mass_.size(); ++i) {
-    const std::int64_t* f = &totals[4 * i];
+  for (const std::int32_t active : active_) {
+    const auto i = static_cast<std::size_t>(active);
+    const std::int64_t* f = &total_force_[4 * i];
     if ((f[0] | f[1] | f[2]) == 0) {
       std::copy_n(&velocity_[4 * i], 3, &pushed_velocity_[4 * i]);  // what an earlier round pushed may be released
       continue;
@@ -340,19 +359,20 @@ void ContactEngine::push_velocities(const Model& model) {
 }
 
 void ContactEngine::push(Model& model) {
-  const std::int64_t* totals = totals_of(force_);
+  const std::vector<std::int64_t>& totals = channel_.collect(force_.data(), 4, 3);
+  load_.nodes = channel_.active_nodes();
+  load_.force.assign(4 * load_.nodes.size(), 0);
+  load_.friction.assign(4 * load_.nodes.size(), 0);
   for (std::size_t k = 0; k < load_.nodes.size(); ++k) {
     const auto n = static_cast<std::size_t>(load_.nodes[k]);
-    const std::size_t from = plan_ ? 4 * n : 4 * k;
     for (int d = 0; d < 3; ++d) {
-      load_.force[4 * k + d] = totals[from + d];
-      model.nodes.force[4 * n + d] += totals[from + d];
+      load_.force[4 * k + d] = totals[4 * k + d];
+      model.nodes.force[4 * n + d] += totals[4 * k + d];
     }
   }
   if (!(law_.response().friction > 0.0)) return;
-  totals = totals_of(friction_);
-  for (std::size_t k = 0; k < load_.nodes.size(); ++k)
-    std::copy_n(&totals[plan_ ? 4 * static_cast<std::size_t>(load_.nodes[k]) : 4 * k], 3, &load_.friction[4 * k]);
+  channel_.collect(friction_.data(), 4, 3);
+  for (std::size_t k = 0; k < load_.nodes.size(); ++k) std::copy_n(&totals[4 * k], 3, &load_.friction[4 * k]);
 }
 
 ContactView ContactEngine::view() const {
@@ -390,14 +410,7 @@ class ContactEngine::Exchange final : public ImpactExchange {
     any_forces_ = true;
     return engine_.pushed_velocity_.data();
   }
-  void add_up(std::vector<std::int64_t>& rows) override {
-    if (!engine_.plan_) return;
-    for (const std::int32_t n : engine_.load_.nodes)
-      std::fill_n(&engine_.owned_force_[4 * static_cast<std::size_t>(n)], 4, 0);
-    engine_.plan_->push_add(rows.data(), 4, engine_.owned_force_.data(), 4, 4);
-    engine_.plan_->pull(engine_.owned_force_.data(), 4, rows.data(), 4, 4);
-  }
-  double greatest(double value) override { return kerf::greatest(model_.comm, value); }
+  void add_up(std::vector<std::int64_t>& rows) override { engine_.channel_.sum(rows.data(), rows.data(), 4, 4); }
 
  private:
   ContactEngine& engine_;
@@ -405,11 +418,12 @@ class ContactEngine::Exchange final : public ImpactExchange {
   bool any_forces_ = false;
 };
 
-void ContactEngine::add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers) {
+void ContactEngine::add_forces(Model& model, const Step& step, const Prediction& prediction, const ContactPlan& plan,
+                               Timers& timers) {
   prediction_ = &prediction;
   {
     const auto scope = timers.measure("contact_search");
-    if (!keep_complete(model, step)) search(model, step);
+    keep_complete(model, step, plan.need);
   }
   const auto scope = timers.measure("contact_forces");
   pull(model);
@@ -418,13 +432,16 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   law_.find_touches(seen, touches_);
   measure_speeds(model);
   split_masses(seen, model.quanta.mass);
-  std::fill(force_.begin(), force_.end(), 0);
-  std::fill(friction_.begin(), friction_.end(), 0);
+  for (const std::int32_t active : active_) {
+    const std::size_t i = 4 * static_cast<std::size_t>(active);
+    std::fill_n(&force_[i], 4, 0);
+    std::fill_n(&friction_[i], 4, 0);
+    std::copy_n(&velocity_[i], 4, &pushed_velocity_[i]);
+  }
   ContactForces forces(force_.data(), friction_.data(), model.quanta.force);
-  Impacts impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass});
-  pushed_velocity_ = velocity_;
+  Impacts impacts(seen, touches_, law_.response(), {share_.data(), model.quanta.mass}, active_);
   Exchange exchange(*this, model);
-  impacts.add_to(forces, exchange);
+  effort_ = impacts.add_to(forces, exchange, plan.pace);
   if (forces.overflow_node() >= 0)
     trouble_ =
         fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",

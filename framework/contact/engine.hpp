@@ -7,10 +7,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contact/candidate_search.hpp"
+#include "contact/channel.hpp"
 #include "contact/impacts.hpp"
 #include "contact/load.hpp"
 #include "core/timers.hpp"
@@ -21,6 +24,7 @@
 #include "model/node_group.hpp"
 #include "model/prediction.hpp"
 #include "model/step.hpp"
+#include "parallel/sparse_exchange.hpp"
 
 namespace kerf {
 
@@ -37,8 +41,37 @@ struct ContactSpeeds {
   double fastest_pair() const;
 };
 
+/// What the candidates of a definition need before they serve for a step, from the least to the most.
+enum class SearchNeed : std::int64_t { nothing, strays, renewal, everything };
+
+/// What all ranks have agreed on before a definition makes its forces.
+struct ContactPlan {
+  SearchNeed need = SearchNeed::everything;
+  ImpactPace pace;
+};
+
 class ContactEngine {
  public:
+  /// What ranks tell each other about changes of the surface: some lists of a message that several definitions share.
+  class Post {
+   public:
+    enum List { slaves, facets, dead, holders, n_lists };
+    Post(SparseExchange& exchange, std::size_t definition)
+        : exchange_(exchange), first_(n_lists * static_cast<int>(definition)) {}
+    template <class T>
+    void put(List list, int rank, const T& item) {
+      exchange_.put(first_ + list, rank, item);
+    }
+    template <class T>
+    std::vector<T> take(List list) const {
+      return exchange_.take<T>(first_ + list);
+    }
+
+   private:
+    SparseExchange& exchange_;
+    int first_;
+  };
+
   /// `space` is needed on more than one rank.
   ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space);
 
@@ -46,13 +79,23 @@ class ContactEngine {
   void invalidate() { valid_ = false; }
   /// The same after nodes got other local numbers. Local.
   void renumbered(const Model& model);
-  /// After elements were retired and before stores are compacted: takes their facets out and the opened ones in, or
-  /// leaves it to the next search. Collective.
-  void surface_changed(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
-                       std::vector<ExteriorFacet> opened);
+  /// After elements were retired and before stores are compacted: puts what other ranks have to know into the post, or
+  /// leaves it to the next search. Collective among ranks that share nodes.
+  void announce_change(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
+                       std::vector<ExteriorFacet> opened, Post& post);
+  /// After the post was delivered: takes the dead facets out and the opened ones in. Collective among ranks that have
+  /// met.
+  void take_change(const Model& model, const Post& post);
+  /// What this rank's candidates need before the forces of a step that is not longer than that of `longest`. Pre: as
+  /// for add_forces(). Local.
+  SearchNeed need(const Model& model, const Step& step, const Prediction& longest);
   /// Adds this definition's forces to the owners of the nodes, searching first if needed. Pre: the nodes' forces are
-  /// the sums of all others, on all copies; `prediction` is what they will do. Collective.
-  void add_forces(Model& model, const Step& step, const Prediction& prediction, Timers& timers);
+  /// the sums of all others, on all copies; `prediction` is what they will do; `plan` has the greatest need of all
+  /// ranks. Collective.
+  void add_forces(Model& model, const Step& step, const Prediction& prediction, const ContactPlan& plan,
+                  Timers& timers);
+  /// Of the impacts of this rank in the last forces.
+  const ImpactEffort& effort() const { return effort_; }
   /// Of this rank, as they are after the last forces. Which ranks know a node does not matter.
   const ContactSpeeds& speeds() const { return speeds_; }
   /// What the law has found in the last forces.
@@ -90,11 +133,15 @@ class ContactEngine {
     unsigned boxes = 0;  // that it needs anew
   };
   void search(Model& model, const Step& step);
-  bool keep_complete(Model& model, const Step& step);
+  bool renewal_due(const Step& step) const;
+  void look_ahead(const Model& model, const Step& step);
+  void foresee_strays(const Model& model, const Step& step);
+  std::vector<ContactNodeRecord> stray_slaves(const Model& model) const;
+  void keep_complete(Model& model, const Step& step, SearchNeed need);
   std::vector<char> bodies_with_own_frame() const;
   void find_strays(const Model& model, const Step& step);
   void find_outgrown(const Model& model, const Step& step);
-  bool refresh(Model& model, const Step& step, bool all_that_will_leave);
+  void refresh(Model& model, bool all_that_will_leave);
   void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
   std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   void foresee(const Model& model, std::size_t tracked, double time, unsigned boxes = in_common_frame | in_own_frame);
@@ -111,8 +158,13 @@ class ContactEngine {
   bool uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
               const std::vector<double>& weights) const;
   void count_candidates(const Model& model);
-  double extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
-  double reach_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
+  struct Extent {
+    double edge, reach;  // [m]
+  };
+  Extent extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
+  double farthest_reach(const std::vector<ContactNodeRecord>& slaves) const;
+  void put(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets, Post& post);
+  void take(std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets, const Post& post);
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);
   void measure_speeds(const Model& model);
@@ -122,7 +174,7 @@ class ContactEngine {
   double dt_ahead() const;
   void pull(const Model& model);
   void split_masses(const ContactView& view, double quantum);
-  const std::int64_t* totals_of(const std::vector<std::int64_t>& sums);
+  void list_active(const ContactView& view);
   void push_velocities(const Model& model);
   void push(Model& model);
   ContactView view() const;
@@ -154,13 +206,22 @@ class ContactEngine {
   std::vector<std::int32_t> on_mirror_;  // per local node: a list of the conditions on whose plane of symmetry it lies
   std::unique_ptr<CandidateSearch> search_;
   const Candidates* found_ = nullptr;  // of search_
-  std::unique_ptr<ExchangePlan> plan_;  // owners to contact ranks; null on one rank
+  ContactChannel channel_;  // between owners of nodes and ranks that look at them
+  std::vector<char> has_facets_;  // per rank: whether this one has sent it facets since the last search
+  std::set<std::pair<int, int>> introduced_;  // owners and holders that this rank has made known to each other
+  // What has changed since the last step, on the way to other ranks.
+  std::vector<ContactNodeRecord> changed_slaves_;
+  std::vector<ContactFacetRecord> new_facets_;
+  std::vector<std::int64_t> dead_elements_;
+  bool reaches_too_far_ = false;
   const Prediction* prediction_ = nullptr;  // of the step that is being made; null for the model as it stands
   AlignedVector<double> position_, velocity_;  // of the nodes of the view, predicted
-  AlignedVector<double> pushed_velocity_;  // of the nodes of the view, with the contact forces so far
-  AlignedVector<double> owned_position_, owned_velocity_;  // of this rank's nodes that other ranks need, predicted
+  AlignedVector<double> pushed_velocity_;  // of the active nodes of the view, with the contact forces so far
   std::vector<double> mass_;
-  std::vector<std::int64_t> force_, owned_force_, friction_, total_force_, share_, owned_share_;
+  std::vector<std::int64_t> force_, friction_, total_force_, share_;  // of the active nodes of the view
+  std::vector<std::int32_t> active_;  // nodes of the view that this rank's touches have
+  std::vector<char> is_active_;
+  ImpactEffort effort_;
   ContactTouches touches_;
   ContactSpeeds speeds_;
   double least_sight_ = 0.0;  // of all facets that the model can have [m]

@@ -24,13 +24,16 @@ class FrameOrigin {
   explicit FrameOrigin(Vec3 origin) : origin_{origin.x, origin.y, origin.z, 0.0} {}
   /// In single precision, which may take a node for inside that is outside by half a unit in the last place. There is
   /// room for that: facets' boxes are rounded outwards by two units or more once they have been inflated by the reach.
-  bool sees_in(const Box& box, const Quad& x) const {
-    const Floats seen = __builtin_convertvector(x - origin_, Floats);
+  /// It may be `aside` of the given place along each axis.
+  bool sees_in(const Box& box, const Quad& x, const Quad& aside) const {
+    const Quad seen = x - origin_;
+    const Floats lowest = __builtin_convertvector(seen - aside, Floats);
+    const Floats highest = __builtin_convertvector(seen + aside, Floats);
     static_assert(sizeof(Box) == 6 * sizeof(float) && offsetof(Box, high) == 3 * sizeof(float));
     Floats low, high;  // the fourth entry of `low` and the first of `high` belong to the other corner
     std::memcpy(&low, &box, sizeof low);
     std::memcpy(&high, reinterpret_cast<const char*>(&box) + 2 * sizeof(float), sizeof high);
-    const auto above = seen >= low, below = seen <= __builtin_shufflevector(high, high, 1, 2, 3, 0);
+    const auto above = lowest >= low, below = highest <= __builtin_shufflevector(high, high, 1, 2, 3, 0);
     return (bits_of(above & below) & 7u) == 7u;
   }
 
@@ -90,6 +93,7 @@ void ContactEngine::choose_frames(const Model& model, const std::vector<std::int
     }
     // On rank 0 and back, because all ranks must use the same bits.
     std::vector<double> totals(sums.size());
+    const Waiting waiting;
     MPI_Reduce(sums.data(), totals.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, 0, model.comm);
     MPI_Bcast(totals.data(), static_cast<int>(totals.size()), MPI_DOUBLE, 0, model.comm);
     for (std::size_t p = 0; p < model.parts.size(); ++p) {
@@ -109,12 +113,12 @@ void ContactEngine::choose_frames(const Model& model, const std::vector<std::int
     if (!has_own[p] || within[p] == unknown) body_frames_[p] = common_frame_;
 }
 
-/// Foresees where a node may be until the next search or renewal.
+/// Foresees where a node may be from the present time on until the next search or renewal.
 void ContactEngine::foresee(const Model& model, std::size_t tracked, double time, unsigned boxes) {
   Tracked& t = tracked_[tracked];
-  const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node) + v * dt_ahead();
+  const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node);
   const ContactFrame& own = body_frames_[t.body];
-  const Foresight from{time - search_time_, std::max(horizon_ - time, 0.0), farthest * slack_};
+  const Foresight from{time - search_time_, std::max(horizon_ - time, dt_ahead()), farthest * slack_};
   const double margin = slack_ + std::min(unsteady * norm(v - own.velocity) * from.ahead, from.farthest_way);
   if ((boxes & in_common_frame) != 0) t.box = from.whereabouts(x, v, common_frame_, margin);
   if ((boxes & in_own_frame) != 0) own_boxes_[tracked] = from.whereabouts(x, v, own, margin);
@@ -145,14 +149,20 @@ std::vector<char> ContactEngine::bodies_with_own_frame() const {
   return has_own;
 }
 
-/// Lists the nodes that will have left their boxes at the end of the coming step.
+/// Lists the nodes that are outside of their boxes or may be at the end of the coming step, however short it is.
 void ContactEngine::find_strays(const Model& model, const Step& step) {
   strays_.clear();
-  const double since = step.end() + dt_ahead() - search_time_;
-  std::vector<FrameOrigin> own;
-  for (const ContactFrame& f : body_frames_) own.emplace_back(f.at(since));
+  const double since = step.end() - search_time_, then = since + dt_ahead();
+  struct Origins {
+    FrameOrigin now, then;
+    bool see_in(const Box& box, const Prediction::Way& way) const {
+      return now.sees_in(box, way.start, Quad{}) && then.sees_in(box, way.end, way.aside);
+    }
+  };
+  std::vector<Origins> own;
+  for (const ContactFrame& f : body_frames_) own.push_back({FrameOrigin(f.at(since)), FrameOrigin(f.at(then))});
   const std::vector<char> has_own = bodies_with_own_frame();
-  const FrameOrigin common(common_frame_.at(since));
+  const Origins common{FrameOrigin(common_frame_.at(since)), FrameOrigin(common_frame_.at(then))};
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     constexpr std::size_t ahead = 16;  // far enough for what is known of a node to arrive
     const Tracked& t = tracked_[k];
@@ -160,21 +170,20 @@ void ContactEngine::find_strays(const Model& model, const Step& step) {
     __builtin_prefetch(&model.nodes.position[4 * later]);
     __builtin_prefetch(&model.nodes.velocity[4 * later]);
     __builtin_prefetch(&model.nodes.force[4 * later]);
-    const Quad position = prediction_->position(t.node);
-    if (!common.sees_in(t.box, position) || (has_own[t.body] && !own[t.body].sees_in(own_boxes_[k], position)))
+    const Prediction::Way way = prediction_->way(t.node);
+    if (!common.see_in(t.box, way) || (has_own[t.body] && !own[t.body].see_in(own_boxes_[k], way)))
       strays_.push_back({static_cast<std::int32_t>(k), in_common_frame | in_own_frame});
   }
 }
 
-/// Lists the nodes whose boxes are too small for what their velocities foretell until the horizon.
+/// Adds the nodes to strays_ whose boxes are too small for what their velocities foretell until the horizon.
 void ContactEngine::find_outgrown(const Model& model, const Step& step) {
-  strays_.clear();
   const std::vector<char> has_own = bodies_with_own_frame();
-  const double now = step.end() + dt_ahead();
+  const double now = step.end();
   const Foresight from{now - search_time_, std::max(horizon_ - now, 0.0), farthest * slack_};
   for (std::size_t k = 0; k < tracked_.size(); ++k) {
     const Tracked& t = tracked_[k];
-    const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node) + v * dt_ahead();
+    const Vec3 v = predicted_v(model, t.node), x = model.nodes.x(t.node);
     const double margin = kept_margin * slack_;
     unsigned outgrown = 0;
     if (!t.box.contains(from.whereabouts(x, v, common_frame_, margin))) outgrown |= in_common_frame;

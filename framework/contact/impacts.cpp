@@ -119,8 +119,8 @@ void add_shares(const ContactView& view, const ContactTouches& touches, const Ma
 }
 
 Impacts::Impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
-                 const MassSplit& split)
-    : view_(view), response_(response), split_(split) {
+                 const MassSplit& split, const std::vector<std::int32_t>& active)
+    : view_(view), response_(response), split_(split), active_(active) {
   impacts_.reserve(touches.touches().size());
   for (const ContactTouch& t : touches.touches()) {
     const double closing = -dot(relative_velocity(view, t, view.velocity), t.direction);
@@ -133,37 +133,43 @@ Impacts::Impacts(const ContactView& view, const ContactTouches& touches, const C
   }
 }
 
-void Impacts::add_to(ContactForces& forces, ImpactExchange& exchange) {
+ImpactEffort Impacts::add_to(ContactForces& forces, ImpactExchange& exchange, const ImpactPace& pace) {
   scale_ = forces.scale();
-  first_excess_ = 0.0;
-  for (int round = 0; round < most_rounds; round += 3) {
+  first_excess_ = pace.first_excess;
+  loads_.resize(4 * static_cast<std::size_t>(view_.n_nodes));
+  ImpactEffort effort;
+  for (int round = 0; round < pace.rounds; round += 3) {
     const double* velocity = exchange.velocities();
-    const double left = load(velocity, forces);
-    if (round == 0)
-      first_excess_ = exchange.greatest(left);
-    else if (round >= least_rounds && !(exchange.greatest(left) > accuracy))
-      break;
-    if (!(first_excess_ > 0.0)) break;
+    if (load(velocity, forces, round == 0)) effort.rounds = round + 3;
     exchange.add_up(loads_);
     carry(velocity, forces);
     for (int k = 0; k < 2; ++k) add_round(exchange.velocities(), forces);
   }
+  for (const Impact& i : impacts_) effort.first_excess = max_of(effort.first_excess, i.first_excess);
+  return effort;
+}
+
+ImpactPace Impacts::next_pace(const ImpactPace& last, const ImpactEffort& effort) {
+  // Whether the last three rounds were enough nobody has looked at. So there are three more than were needed, and many
+  // more at once where the last look has still found too much.
+  constexpr int more = 12;
+  const int wanted = effort.rounds >= last.rounds ? last.rounds + more : static_cast<int>(effort.rounds) + 3;
+  return {std::clamp(wanted, least_rounds, most_rounds), effort.first_excess};
 }
 
 /// Sums up what the corners of facets are to carry: of every touch that closes faster than it should, or has a push
-/// that may be taken back, the mass and the momentum of the excess. Returns the greatest excess of any touch [m/s].
-double Impacts::load(const double* velocity, ContactForces& forces) {
-  loads_.assign(4 * static_cast<std::size_t>(view_.n_nodes), 0);
+/// that may be taken back, the mass and the momentum of the excess. Returns whether any touch has too much excess.
+bool Impacts::load(const double* velocity, ContactForces& forces, bool first) {
+  for (const std::int32_t node : active_) std::fill_n(&loads_[4 * static_cast<std::size_t>(node)], 4, 0);
   const double per_impulse = forces.scale().per_quantum / view_.kick_dt;
-  double greatest = 0.0;
+  bool too_much = false;
   for (Impact& i : impacts_) {
     const ContactTouch& t = *i.touch;
     const double mass = part_of_mass(t.node);
     i.excess = -dot(relative_velocity(view_, t, velocity), t.direction) - i.wanted;
     i.excess = mass > 0.0 ? max_of(i.excess, -i.push / mass) : 0.0;
-    if (!(first_excess_ > 0.0)) i.first_excess = max_of(i.excess, 0.0);
-    const double scale = max_of(i.first_excess, least_scale * first_excess_);
-    greatest = max_of(greatest, first_excess_ > 0.0 ? i.excess / scale : i.excess);
+    if (first) i.first_excess = max_of(i.excess, 0.0);
+    too_much = too_much || i.excess > accuracy * max_of(i.first_excess, least_scale * first_excess_);
     if (!i.carried || i.excess == 0.0) continue;
     for (int k = 0; k < 4; ++k) {
       std::int64_t* row = &loads_[4 * static_cast<std::size_t>(corners_of(view_, t)[k])];
@@ -176,7 +182,7 @@ double Impacts::load(const double* velocity, ContactForces& forces) {
       row[3] += std::llrint(mass * t.weights[k] / split_.quantum);
     }
   }
-  return greatest;
+  return too_much;
 }
 
 /// How much of the solution of a round with loads a touch may take. With the ratio r of load and own mass of a corner,

@@ -69,8 +69,24 @@ class ImpactExchange {
   virtual const double* velocities() = 0;
   /// Adds the rows of all ranks, four whole numbers for each node of the view. Collective.
   virtual void add_up(std::vector<std::int64_t>& rows) = 0;
-  /// The greatest value of all ranks. Collective.
-  virtual double greatest(double value) = 0;
+};
+
+/// How much work the impacts of a step get: known before, from what the step before has shown, so that no rank waits
+/// for all others in the middle of a step.
+struct ImpactPace {
+  int rounds = 12;  // in threes
+  double first_excess = 0.0;  // greatest excess of the closing speed of any touch in the step before [m/s]
+};
+
+/// What the impacts of some ranks have shown; the greatest of each counts.
+struct ImpactEffort {
+  std::int64_t rounds = 0;  // after which no touch had too much excess left, as far as it was looked at; 0 for none
+  double first_excess = 0.0;  // as in ImpactPace
+
+  void join(const ImpactEffort& other) {
+    rounds = rounds < other.rounds ? other.rounds : rounds;
+    first_excess = first_excess < other.first_excess ? other.first_excess : first_excess;
+  }
 };
 
 /// The impacts of all touches of this rank.
@@ -85,14 +101,18 @@ class Impacts {
  public:
   // In a step, in threes: one round in which facets carry nodes, two side by side.
   static constexpr int least_rounds = 12, most_rounds = 60;
+  static_assert(least_rounds == ImpactPace{}.rounds);
   // Excess of the closing speed that may be left, over what a touch had at first, or over a tenth of what any had. With
   // five times as much, plates of lexan and steel with cells 1:2 across buckle at 6 km/s.
   static constexpr double accuracy = 0.01, least_scale = 0.1;
-  /// `split` has the shares of the touches of all ranks. The view must outlive this.
+  /// `split` has the shares of the touches of all ranks; `active` lists the nodes of the touches. All must outlive
+  /// this.
   Impacts(const ContactView& view, const ContactTouches& touches, const ContactResponse& response,
-          const MassSplit& split);
+          const MassSplit& split, const std::vector<std::int32_t>& active);
   /// Adds the forces of all rounds. Collective.
-  void add_to(ContactForces& forces, ImpactExchange& exchange);
+  ImpactEffort add_to(ContactForces& forces, ImpactExchange& exchange, const ImpactPace& pace);
+  /// The pace of the next step, from that of the last and what it has shown on all ranks.
+  static ImpactPace next_pace(const ImpactPace& last, const ImpactEffort& effort);
   /// Adds the forces of one round side by side, given the velocities that the forces of all rounds so far lead to.
   void add_round(const double* velocity, ContactForces& forces);
 
@@ -107,7 +127,7 @@ class Impacts {
     Vec3 grip = {};  // of friction, so far [N s]
   };
   Vec3 friction(const Impact& impact, const ContactTouch& touch, Vec3 sliding) const;
-  double load(const double* velocity, ContactForces& forces);
+  bool load(const double* velocity, ContactForces& forces, bool first);
   Vec3 carried_along(int corner) const;
   void carry(const double* velocity, ContactForces& forces);
   double share_of_carrying(const ContactTouch& touch) const;
@@ -124,7 +144,8 @@ class Impacts {
   ContactResponse response_;
   MassSplit split_;
   ForceScale scale_;
-  double first_excess_ = 0.0;  // greatest of all touches of all ranks [m/s]
+  double first_excess_ = 0.0;  // of the pace [m/s]
+  const std::vector<std::int32_t>& active_;
   std::vector<Impact> impacts_;
   /// Per node, what it carries: momentum over kick_dt [force quanta], mass [mass quanta].
   std::vector<std::int64_t> loads_;

@@ -5,6 +5,8 @@
 #include <bit>
 #include <limits>
 
+#include "core/waiting.hpp"
+
 namespace kerf {
 
 namespace {
@@ -72,6 +74,7 @@ std::vector<double> order_free_sums(MPI_Comm comm, const std::vector<std::span<c
   const auto n = static_cast<int>(lists.size());
   std::vector<std::int64_t> largest;
   for (const auto& list : lists) largest.push_back(largest_bits(list));
+  const Waiting waiting;
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), n, MPI_INT64_T, MPI_MAX, comm);
   std::vector<Units> units;
   std::vector<std::int64_t> limbs(3 * lists.size(), 0);

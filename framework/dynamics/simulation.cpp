@@ -7,7 +7,6 @@
 #include <cmath>
 #include <csignal>
 #include <limits>
-#include <tuple>
 
 #include "core/activity.hpp"
 #include "core/diagnostics.hpp"
@@ -31,33 +30,6 @@ constexpr double unseen = 0.9;  // of the least sight of a facet, that contact l
 volatile std::sig_atomic_t signal_seen = 0;
 extern "C" void note_signal(int number) { signal_seen = number; }
 
-/// Least step with the lower id among equals, or of the flags.
-void combine(void* in, void* inout, int* n, MPI_Datatype*) {
-  const auto* a = static_cast<const StepReduction*>(in);
-  auto* b = static_cast<StepReduction*>(inout);
-  for (int i = 0; i < *n; ++i) {
-    const std::int64_t flags = a[i].flags | b[i].flags;
-    if (a[i].least_step < b[i].least_step || (a[i].least_step == b[i].least_step && a[i].least_id >= 0 &&
-                                              (b[i].least_id < 0 || a[i].least_id < b[i].least_id)))
-      std::tie(b[i].least_step, b[i].least_id) = std::tie(a[i].least_step, a[i].least_id);
-    b[i].flags = flags;
-    b[i].speeds.join(a[i].speeds);
-  }
-}
-
-StepReduction all_reduce(MPI_Comm comm, StepReduction mine) {
-  struct Operation {
-    ItemType<StepReduction> type;
-    MPI_Op op = MPI_OP_NULL;
-    Operation() { MPI_Op_create(&combine, 1, &op); }
-    ~Operation() { MPI_Op_free(&op); }
-  };
-  if (size_of(comm) == 1) return mine;
-  const Operation operation;
-  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, operation.type, operation.op, comm);
-  return mine;
-}
-
 }  // namespace
 
 Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
@@ -74,6 +46,8 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
     if (model_.n_ranks() > 1) space = input.balance.contact_partitioner->spatial();
     contacts_.push_back(std::make_unique<ContactEngine>(model_, *law, std::move(space)));
   }
+  contact_plans_.resize(contacts_.size());
+  agreement_ = std::make_unique<StepAgreement>(model_.comm, contacts_.size());
   erosion_ = std::make_unique<Erosion>(model_);
   constraints_.initialise(model_);
   ledger_.open(model_);
@@ -108,6 +82,8 @@ void Simulation::start_forces() {
   loads_.add_forces(model_, none);
   // What contact has seen in an earlier try must not shorten the first step.
   resumed_contact_step_ = std::numeric_limits<double>::max();
+  for (ContactPlan& plan : contact_plans_) plan.pace = {};
+  keeps_paces_ = true;
   reduce(none, at_start_.report);
   first_stable_ = reduction_.least_step;
   if (!contacts_.empty()) start_contact(at_start_.report);
@@ -259,6 +235,7 @@ void Simulation::run() {
   while (clock_.running() && !signalled_) {
     const Step step = clock_.advance(reduction_.least_step);
     activity::begin_cycle(step.cycle);
+    marks::begin_cycle(step.cycle);
     last_limit_ = step.limit;
     last_id_ = reduction_.least_id;
     {
@@ -305,10 +282,7 @@ void Simulation::add_forces(const Step& step) {
     const auto scope = timers_.measure("loads");
     loads_.add_forces(model_, step);
   }
-  {
-    const auto scope = timers_.measure("halo");
-    reduce(step, report);
-  }
+  reduce(step, report);
   add_contact_forces(step);
 }
 
@@ -316,10 +290,18 @@ void Simulation::add_forces(const Step& step) {
 void Simulation::add_contact_forces(const Step& step) {
   if (contacts_.empty()) return;
   const Prediction prediction(constraints_, model_, next_step());
-  for (auto& c : contacts_) {
-    c->add_forces(model_, step, prediction, timers_);
-    for (const ContactTouches::LetGo& l : c->touches().all_let_go())
-      ledger_.let_go.add(model_.part_of_node(c->id_of(l.node)), std::llrint(c->mass_of(l.node) / ledger_.mass_quantum),
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    ContactEngine& c = *contacts_[k];
+    ContactPlan& plan = contact_plans_[k];
+    if (k > 0) {
+      // What the definitions before do to the nodes of this one is known only now.
+      const auto scope = timers_.measure("contact_search");
+      const auto mine = static_cast<std::int64_t>(c.need(model_, step, prediction));
+      plan.need = static_cast<SearchNeed>(greatest(model_.comm, mine));
+    }
+    c.add_forces(model_, step, prediction, plan, timers_);
+    for (const ContactTouches::LetGo& l : c.touches().all_let_go())
+      ledger_.let_go.add(model_.part_of_node(c.id_of(l.node)), std::llrint(c.mass_of(l.node) / ledger_.mass_quantum),
                          l.depth, prediction.step().end());
     // The next definition predicts with these forces, on ghosts too.
     const auto scope = timers_.measure("halo");
@@ -327,6 +309,34 @@ void Simulation::add_contact_forces(const Step& step) {
   }
   load_ = load();
   side_books_.take_contacts(contacts_);
+}
+
+/// The one operation of all ranks in a step. `local_step` is this rank's least stable step [s].
+void Simulation::agree(const Step& step, StepReduction mine, double local_step) {
+  std::vector<ContactNote> notes(contacts_.size());
+  for (std::size_t k = 0; k < contacts_.size(); ++k) notes[k].effort = contacts_[k]->effort();
+  if (!contacts_.empty()) {
+    const auto scope = timers_.measure("contact_search");
+    // How long the coming step is, no rank knows yet; it is not longer than it would be for this rank alone.
+    const Prediction longest(constraints_, model_, clock_.plan(local_step));
+    notes[0].need = contacts_[0]->need(model_, step, longest);
+  }
+  {
+    const auto scope = timers_.measure("halo");
+    agreement_->reach(mine, notes);
+  }
+  reduction_ = mine;
+  const std::vector<ImpactPace> paces = next_paces(notes);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) contact_plans_[k] = {notes[k].need, paces[k]};
+  keeps_paces_ = false;
+}
+
+std::vector<ImpactPace> Simulation::next_paces(const std::vector<ContactNote>& notes) const {
+  std::vector<ImpactPace> paces;
+  for (std::size_t k = 0; k < notes.size(); ++k)
+    paces.push_back(keeps_paces_ ? contact_plans_[k].pace
+                                 : Impacts::next_pace(contact_plans_[k].pace, notes[k].effort));
+  return paces;
 }
 
 void Simulation::reduce(const Step& step, ElementReport report) {
@@ -340,7 +350,7 @@ void Simulation::reduce(const Step& step, ElementReport report) {
   if (!report.trouble.empty()) mine.flags |= flag_trouble;
   if (report.failed) mine.flags |= flag_failed;
   if (signal_seen != 0) mine.flags |= flag_signal;
-  reduction_ = all_reduce(model_.comm, mine);
+  agree(step, mine, report.least_step);
   double allowed = contact_step(reduction_.speeds);
   if (resumed_contact_step_ > 0.0) allowed = resumed_contact_step_;
   resumed_contact_step_ = 0.0;
@@ -368,6 +378,20 @@ void Simulation::reduce(const Step& step, ElementReport report) {
   }
 }
 
+/// Tells all contact definitions, on all ranks, what has become of the surface: one exchange for all definitions.
+void Simulation::tell_contacts(const Step& step, const std::vector<std::int64_t>& dead,
+                               const std::vector<ExteriorFacet>& opened) {
+  if (contacts_.empty()) return;
+  SparseExchange exchange(model_.comm, static_cast<int>(contacts_.size()) * ContactEngine::Post::n_lists);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    ContactEngine::Post post(exchange, k);
+    contacts_[k]->announce_change(model_, step.end(), dead, opened, post);
+  }
+  if (model_.n_ranks() > 1) exchange.deliver();
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    contacts_[k]->take_change(model_, ContactEngine::Post(exchange, k));
+}
+
 void Simulation::erode(const Step& step) {
   eroded_now_.clear();
   // Every hundredth cycle, whatever else happens, so that it does not depend on anything but the cycle.
@@ -388,7 +412,7 @@ void Simulation::erode(const Step& step) {
   }
   {
     const auto scope = timers_.measure("contact_search");
-    for (auto& c : contacts_) c->surface_changed(model_, step.end(), dead, opened);
+    tell_contacts(step, dead, opened);
   }
   const auto scope = timers_.measure("erosion");
   erosion_->compact(model_);
@@ -428,7 +452,11 @@ Simulation::Progress Simulation::progress() const {
   Progress p;
   StepReduction now;
   now.speeds = contact_speeds();
-  p.contact_step = contact_step(all_reduce(model_.comm, now).speeds);
+  std::vector<ContactNote> notes(contacts_.size());
+  for (std::size_t k = 0; k < contacts_.size(); ++k) notes[k].effort = contacts_[k]->effort();
+  agreement_->reach(now, notes);
+  p.contact_step = contact_step(now.speeds);
+  p.paces = next_paces(notes);
   p.time = clock_.time();
   p.last_dt = clock_.last_dt();
   p.cycle = clock_.cycle();
@@ -447,6 +475,8 @@ void Simulation::resume(const Progress& p) {
   reduction_.flags = 0;
   first_stable_ = p.first_stable;
   resumed_contact_step_ = p.contact_step;
+  for (std::size_t k = 0; k < contact_plans_.size() && k < p.paces.size(); ++k) contact_plans_[k].pace = p.paces[k];
+  keeps_paces_ = true;
   balancer_.distribute(model_);
   erosion_->rearranged();
   balancer_.restore(p.last_rebalance, p.balance_policy);

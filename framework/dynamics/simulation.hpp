@@ -9,6 +9,7 @@
 
 #include "contact/engine.hpp"
 #include "core/timers.hpp"
+#include "dynamics/agreement.hpp"
 #include "dynamics/balance.hpp"
 #include "dynamics/clock.hpp"
 #include "dynamics/element_loop.hpp"
@@ -22,14 +23,6 @@
 #include "review/initial_overlap.hpp"
 
 namespace kerf {
-
-/// What all ranks know after a step.
-struct StepReduction {
-  double least_step = 0.0;  // [s]
-  std::int64_t least_id = -1;  // element that sets it; -1 where it is contact
-  std::int64_t flags = 0;  // or of all ranks
-  ContactSpeeds speeds;  // of contact in the step before
-};
 
 /// Called by the loop at its named points; a researcher's way in without editing the loop.
 class StepObserver {
@@ -105,6 +98,7 @@ class Simulation {
     PolicyProgress balance_policy;
     StepReduction reduction;
     double first_stable = 0.0, contact_step = 0.0;
+    std::vector<ImpactPace> paces;  // of the coming step, by contact definition
     ForceByNode contact_force;  // any superset of the nodes of this rank
     std::vector<ForceByNode> force_of_contact;  // of each definition, where books are kept
     std::vector<LoadOnNode> external_force;  // each node on any one rank
@@ -122,8 +116,11 @@ class Simulation {
   void add_forces(const Step& step);
   double lesser_cell(int first, int second) const;
   void start_contact(const ElementReport& report);
+  void agree(const Step& step, StepReduction mine, double local_step);
   void add_contact_forces(const Step& step);
   void reduce(const Step& step, ElementReport report);
+  std::vector<ImpactPace> next_paces(const std::vector<ContactNote>& notes) const;
+  void tell_contacts(const Step& step, const std::vector<std::int64_t>& dead, const std::vector<ExteriorFacet>& opened);
   void erode(const Step& step);
   void check_energy(const Balance& balance) const;
   void check_speeds(double time) const;
@@ -143,6 +140,8 @@ class Simulation {
   SideBooks side_books_;
   std::unique_ptr<Erosion> erosion_;
   std::vector<std::unique_ptr<ContactEngine>> contacts_;
+  std::vector<ContactPlan> contact_plans_;  // of the forces to come
+  std::unique_ptr<StepAgreement> agreement_;
   /// What elements do at time zero, for forces that come late.
   struct AtStart {
     ElementReport report;
@@ -162,6 +161,7 @@ class Simulation {
   std::int64_t last_id_ = -1;  // the element that the last step was stable for, -1 for contact
   std::vector<std::pair<int, int>> overlaps_;  // of parts, at the start, without a contact between them
   double resumed_contact_step_ = 0.0;  // what contact allowed when the restart was written [s]; 0 if not resumed
+  bool keeps_paces_ = false;  // in the next reduction, because the last forces of contact are not those of the run
   bool signalled_ = false;
 };
 

@@ -36,6 +36,20 @@ Prediction::Flight Prediction::flight(int i) const {
   return f;
 }
 
+Prediction::Way Prediction::way(int i) const {
+  // A shorter step has a shorter kick, too: its end is on a parabola, at most an eighth of its second difference beside
+  // the chord. A boundary condition makes any velocity between the present one and the last.
+  constexpr double free_share = 0.25, held_share = 1.0;
+  Quad v = kicked(model_.nodes, i, factor_);
+  double share = free_share;
+  if (!is_free(i, v)) {
+    v = quad_of(constraints_.constrain(model_, i, next_, planes_, model_.nodes.v(i), vector_of(v)));
+    share = held_share;
+  }
+  const Quad change = (v - row_of(model_.nodes.velocity.data(), i)) * (share * next_.dt);
+  return {from(i), from(i) + v * next_.dt, change < Quad{} ? -change : change};
+}
+
 unsigned Prediction::held_axes(int i, Vec3 v, Vec3 unpushed) const {
   const double push = 1e-3 * norm(v) + 1e-3;  // far above round-off [m/s]
   unsigned held = 0;

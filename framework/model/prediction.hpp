@@ -33,6 +33,12 @@ class Prediction {
     unsigned held_axes = 0;
   };
   Flight flight(int node) const;
+  /// Where a node is now, where it will be at the end of the step, and how far it may be beside the straight line
+  /// between the two, along each axis, at the end of any shorter step [m].
+  struct Way {
+    Quad start, end, aside;
+  };
+  Way way(int node) const;
   const Step& step() const { return next_; }
 
  private:

@@ -44,6 +44,12 @@ Json json_of(const Summary::LibrarySet& l) {
   return {{"set", l.set}, {"file", l.file}, {"hash", l.hash}, {"verified", l.verified}, {"overridden", l.overridden}};
 }
 
+Json json_of(const Summary::Timer& t) {
+  Json json{{"min", t.total.min}, {"mean", t.total.mean}, {"max", t.total.max}};
+  json["work"] = {{"min", t.work.min}, {"mean", t.work.mean}, {"max", t.work.max}};
+  return json;
+}
+
 Json json_of(const Summary::Rebalance& r) {
   return {{"cycle", r.cycle},
           {"imbalance_before", r.imbalance_before},
@@ -92,9 +98,8 @@ std::string summary_text(const Summary& s) {
   json["not_measured"] = object_of(s.not_measured, [](const std::string& reason) { return Json(reason); });
   json["library"] = object_of(s.library, [](const Summary::LibrarySet& l) { return json_of(l); });
   json["warnings"] = s.warnings;
-  json["timers"] = object_of(s.timers, [](const Summary::Timer& t) {
-    return Json{{"min", t.min}, {"mean", t.mean}, {"max", t.max}};
-  });
+  json["timers"] = object_of(s.timers, [](const Summary::Timer& t) { return json_of(t); });
+  json["steps"] = json_of(s.steps);
   json["rebalances"] = Json::array();
   for (const Summary::Rebalance& r : s.rebalances) json["rebalances"].push_back(json_of(r));
   json["observers"] = object_of(s.observers, [](const NamedNumbers& n) { return json_of(n); });

@@ -69,8 +69,11 @@ struct Summary {
     bool verified = false;
     std::vector<std::string> overridden;  // paths of what the input gave in place of the set's values
   };
-  struct Timer {  // [s] over ranks
+  struct Spread {  // over ranks
     double min = 0.0, mean = 0.0, max = 0.0;
+  };
+  struct Timer {  // [s]
+    Spread total, work;  // the second without sending, receiving and waiting for other ranks
   };
   struct Rebalance {
     std::int64_t cycle = 0;
@@ -101,6 +104,7 @@ struct Summary {
   std::map<std::string, LibrarySet> library;  // by material
   std::vector<std::string> warnings;  // of the check before the first step, then of the whole run
   std::map<std::string, Timer> timers;
+  Timer steps;  // all phases that every step needs, together
   std::vector<Rebalance> rebalances;
   std::map<std::string, NamedNumbers> observers;  // numbers of each; NaN as with measures
 };

@@ -4,9 +4,14 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
+
+#include "core/waiting.hpp"
+#include "parallel/sparse_exchange.hpp"
 
 namespace kerf {
 
@@ -21,18 +26,22 @@ inline int size_of(MPI_Comm comm) {
   return n;
 }
 inline std::int64_t sum_of(MPI_Comm comm, std::int64_t v) {
+  const Waiting waiting;
   MPI_Allreduce(MPI_IN_PLACE, &v, 1, MPI_INT64_T, MPI_SUM, comm);
   return v;
 }
 inline std::int64_t greatest(MPI_Comm comm, std::int64_t v) {
+  const Waiting waiting;
   MPI_Allreduce(MPI_IN_PLACE, &v, 1, MPI_INT64_T, MPI_MAX, comm);
   return v;
 }
 inline double greatest(MPI_Comm comm, double v) {
+  const Waiting waiting;
   MPI_Allreduce(MPI_IN_PLACE, &v, 1, MPI_DOUBLE, MPI_MAX, comm);
   return v;
 }
 inline double least(MPI_Comm comm, double v) {
+  const Waiting waiting;
   MPI_Allreduce(MPI_IN_PLACE, &v, 1, MPI_DOUBLE, MPI_MIN, comm);
   return v;
 }
@@ -55,29 +64,23 @@ class ItemType {
   MPI_Datatype type_ = MPI_DATATYPE_NULL;
 };
 
-/// Sends `outgoing[r]` to rank r; returns what came from each rank. Collective.
+/// Sends `outgoing[r]` to rank r; returns what came from each rank. Ranks that have nothing for one another say
+/// nothing. Collective.
 template <class T>
-std::vector<std::vector<T>> all_to_all(MPI_Comm comm, const std::vector<std::vector<T>>& outgoing) {
-  const int n = size_of(comm);
+std::vector<std::vector<T>> all_to_all(MPI_Comm comm, std::vector<std::vector<T>> outgoing) {
+  const int n = size_of(comm), here = rank_of(comm);
   if (n == 1) return outgoing;
-  std::vector<int> n_send(n), n_receive(n), send_at(n), receive_at(n);
-  std::size_t total_send = 0, total_receive = 0;
-  for (int r = 0; r < n; ++r) n_send[r] = static_cast<int>(outgoing[r].size());
-  MPI_Alltoall(n_send.data(), 1, MPI_INT, n_receive.data(), 1, MPI_INT, comm);
-  for (int r = 0; r < n; ++r) {
-    send_at[r] = static_cast<int>(total_send);
-    receive_at[r] = static_cast<int>(total_receive);
-    total_send += static_cast<std::size_t>(n_send[r]);
-    total_receive += static_cast<std::size_t>(n_receive[r]);
-  }
-  std::vector<T> send(total_send), receive(total_receive);
-  for (int r = 0; r < n; ++r) std::copy(outgoing[r].begin(), outgoing[r].end(), send.begin() + send_at[r]);
-  const ItemType<T> item;
-  MPI_Alltoallv(send.data(), n_send.data(), send_at.data(), item, receive.data(), n_receive.data(), receive_at.data(),
-                item, comm);
-  std::vector<std::vector<T>> incoming(n);
+  std::vector<OutgoingMessage> messages;
   for (int r = 0; r < n; ++r)
-    incoming[r].assign(receive.begin() + receive_at[r], receive.begin() + receive_at[r] + n_receive[r]);
+    if (r != here && !outgoing[r].empty()) messages.push_back({r, outgoing[r].data(), outgoing[r].size()});
+  const ItemType<T> item;
+  std::vector<std::vector<T>> incoming(static_cast<std::size_t>(n));
+  incoming[here] = std::move(outgoing[here]);
+  for (IncomingMessage& m : exchange_sparsely(comm, item, sizeof(T), messages)) {
+    incoming[m.rank].resize(m.bytes.size() / sizeof(T));
+    std::memcpy(static_cast<void*>(incoming[m.rank].data()), m.bytes.data(), m.bytes.size());
+    m.bytes = {};
+  }
   return incoming;
 }
 

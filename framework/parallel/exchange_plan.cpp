@@ -1,14 +1,16 @@
-// The only file that moves nodal and element values with Tpetra.
+// Finds out with Tpetra's maps who needs what from whom, and moves nodal and element values accordingly.
 #include "parallel/exchange_plan.hpp"
 
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
-#include <Tpetra_MultiVector.hpp>
 #include <algorithm>
-#include <map>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
 
 #include "parallel/communicator.hpp"
+#include "parallel/peer_messages.hpp"
 
 namespace kerf {
 
@@ -16,8 +18,6 @@ namespace {
 
 using Map = Tpetra::Map<int, long long>;
 using Import = Tpetra::Import<int, long long>;
-template <class T>
-using Columns = Tpetra::MultiVector<T, int, long long>;
 static_assert(sizeof(long long) == sizeof(std::int64_t));
 
 Teuchos::RCP<const Map> make_map(const std::vector<std::int64_t>& ids,
@@ -29,48 +29,53 @@ Teuchos::RCP<const Map> make_map(const std::vector<std::int64_t>& ids,
 
 }  // namespace
 
+/// Who sends what to whom. Tpetra's maps find it out; the messages themselves are sent by PeerMessages, because a
+/// doImport() of few rows costs several times as much as its messages do.
 struct ExchangePlan::Plan {
+  MPI_Comm comm = MPI_COMM_NULL;
   std::vector<std::int64_t> requested;
-  std::size_t n_needed = 0;
-  Teuchos::RCP<const Map> source, target;
-  Teuchos::RCP<const Import> import;
-  // Reused between calls: allocating a MultiVector costs more than sending it. Keyed by the number of columns.
-  std::map<int, std::pair<Teuchos::RCP<Columns<double>>, Teuchos::RCP<Columns<double>>>> reals;
-  std::map<int, std::pair<Teuchos::RCP<Columns<long long>>, Teuchos::RCP<Columns<long long>>>> integers;
+  std::vector<Peer> owners, holders;  // places in `needed` by owner; places in `requested` by rank that has a copy
+  std::vector<std::int32_t> own_source, own_copy;  // the same for copies on this rank
+  PeerMessages<double> reals;
+  PeerMessages<std::int64_t> integers;
 
-  template <class T>
-  auto& vectors(int n_components) {
-    auto& cache = [this]() -> auto& {
-      if constexpr (std::is_same_v<T, double>)
-        return reals;
-      else
-        return integers;
-    }
-    ();
-    auto& pair = cache[n_components];
-    if (pair.first.is_null()) {
-      pair.first = Teuchos::rcp(new Columns<T>(source, n_components));
-      pair.second = Teuchos::rcp(new Columns<T>(target, n_components));
-    }
-    return pair;
-  }
+  PeerMessages<double>& messages(double) { return reals; }
+  PeerMessages<std::int64_t>& messages(std::int64_t) { return integers; }
 
-  template <class T, class Value>
+  template <class Value>
   void pull(const std::vector<std::int32_t>& sources, const Value* values, int stride, Value* copies, int copy_stride,
             int n_components) {
-    auto& [owned, copied] = vectors<T>(n_components);
-    {
-      auto view = owned->getLocalViewHost(Tpetra::Access::OverwriteAll);
-      for (std::size_t i = 0; i < sources.size(); ++i)
-        for (int c = 0; c < n_components; ++c)
-          view(i, c) = sources[i] < 0 ? Value{0} : values[static_cast<std::size_t>(sources[i]) * stride + c];
-    }
-    copied->doImport(*owned, *import, Tpetra::INSERT);
-    const auto view = copied->getLocalViewHost(Tpetra::Access::ReadOnly);
-    for (std::size_t i = 0; i < n_needed; ++i)
-      for (int c = 0; c < n_components; ++c) copies[i * copy_stride + c] = view(i, c);
+    const auto read = [&](std::int32_t source, Value* row) {
+      const std::int32_t at = sources[source];
+      for (int c = 0; c < n_components; ++c)
+        row[c] = at < 0 ? Value{0} : values[static_cast<std::size_t>(at) * stride + c];
+    };
+    const auto write = [&](std::int32_t copy, const Value* row) {
+      std::copy_n(row, n_components, copies + static_cast<std::size_t>(copy) * copy_stride);
+    };
+    for (std::size_t k = 0; k < own_source.size(); ++k)
+      read(own_source[k], copies + static_cast<std::size_t>(own_copy[k]) * copy_stride);
+    messages(Value{}).exchange(comm, holders, owners, n_components, read, write);
   }
+
+  void find_peers(const Import& import, const std::vector<Needed>& needed);
 };
+
+/// Reads the lists of an Import. Those of the two sides of a message are in the same order.
+void ExchangePlan::Plan::find_peers(const Import& import, const std::vector<Needed>& needed) {
+  for (std::size_t i = 0; i < import.getNumSameIDs(); ++i) {
+    own_source.push_back(static_cast<std::int32_t>(i));
+    own_copy.push_back(static_cast<std::int32_t>(i));
+  }
+  const auto from = import.getPermuteFromLIDs(), to = import.getPermuteToLIDs();
+  own_source.insert(own_source.end(), from.begin(), from.end());
+  own_copy.insert(own_copy.end(), to.begin(), to.end());
+  const auto exports = import.getExportLIDs(), remotes = import.getRemoteLIDs();
+  const auto ranks = import.getExportPIDs();
+  for (Teuchos::ArrayView<const int>::size_type i = 0; i < exports.size(); ++i)
+    peer_of(holders, ranks[i]).items.push_back(exports[i]);
+  for (const int copy : remotes) peer_of(owners, needed[static_cast<std::size_t>(copy)].owner).items.push_back(copy);
+}
 
 ExchangePlan::ExchangePlan(MPI_Comm comm, const std::vector<Needed>& needed) : plan_(std::make_unique<Plan>()) {
   const int n_ranks = size_of(comm);
@@ -81,23 +86,33 @@ ExchangePlan::ExchangePlan(MPI_Comm comm, const std::vector<Needed>& needed) : p
     wanted[item.owner].push_back(item.id);
     ids.push_back(item.id);
   }
-  for (const auto& list : all_to_all(comm, wanted))
-    plan_->requested.insert(plan_->requested.end(), list.begin(), list.end());
-  std::sort(plan_->requested.begin(), plan_->requested.end());
-  plan_->requested.erase(std::unique(plan_->requested.begin(), plan_->requested.end()), plan_->requested.end());
-  plan_->n_needed = needed.size();
+  std::vector<std::int64_t>& requested = plan_->requested;
+  for (const auto& list : all_to_all(comm, std::move(wanted)))
+    requested.insert(requested.end(), list.begin(), list.end());
+  std::sort(requested.begin(), requested.end());
+  requested.erase(std::unique(requested.begin(), requested.end()), requested.end());
+  plan_->comm = comm;
 
   const Teuchos::RCP<const Teuchos::Comm<int>> teuchos = Teuchos::rcp(new Teuchos::MpiComm<int>(comm));
-  plan_->source = make_map(plan_->requested, teuchos);
-  plan_->target = make_map(ids, teuchos);
+  const auto source = make_map(requested, teuchos), target = make_map(ids, teuchos);
   // The owners are known already, which spares Tpetra the search in its directory.
   const int here = rank_of(comm);
   Teuchos::Array<int> owners;
   std::size_t same = 0;
-  while (same < ids.size() && same < plan_->requested.size() && ids[same] == plan_->requested[same]) ++same;
+  while (same < ids.size() && same < requested.size() && ids[same] == requested[same]) ++same;
   for (std::size_t i = same; i < needed.size(); ++i)
     if (needed[i].owner != here) owners.push_back(needed[i].owner);
-  plan_->import = Teuchos::rcp(new Import(plan_->source, plan_->target, owners));
+  plan_->find_peers(Import(source, target, owners), needed);
+  check_order(ids);
+}
+
+/// Throws std::logic_error where a copy would get the value of another item.
+void ExchangePlan::check_order(const std::vector<std::int64_t>& ids) {
+  std::vector<std::int32_t> all(plan_->requested.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<std::int64_t> arrived(ids.size(), -1);
+  plan_->pull(all, plan_->requested.data(), 1, arrived.data(), 1, 1);
+  if (arrived != ids) throw std::logic_error("the lists of an exchange are not in the same order on two ranks");
 }
 
 ExchangePlan::~ExchangePlan() = default;
@@ -105,28 +120,26 @@ ExchangePlan::~ExchangePlan() = default;
 const std::vector<std::int64_t>& ExchangePlan::requested() const { return plan_->requested; }
 
 void ExchangePlan::pull(const double* values, int stride, double* copies, int copy_stride, int n_components) {
-  plan_->pull<double>(sources_, values, stride, copies, copy_stride, n_components);
+  plan_->pull(sources_, values, stride, copies, copy_stride, n_components);
 }
 
 void ExchangePlan::pull(const std::int64_t* values, int stride, std::int64_t* copies, int copy_stride,
                         int n_components) {
-  plan_->pull<long long>(sources_, values, stride, copies, copy_stride, n_components);
+  plan_->pull(sources_, values, stride, copies, copy_stride, n_components);
 }
 
 void ExchangePlan::push_add(const std::int64_t* copies, int copy_stride, std::int64_t* values, int stride,
                             int n_components) {
-  auto& [owned, copied] = plan_->vectors<long long>(n_components);
-  {
-    auto view = copied->getLocalViewHost(Tpetra::Access::OverwriteAll);
-    for (std::size_t i = 0; i < plan_->n_needed; ++i)
-      for (int c = 0; c < n_components; ++c) view(i, c) = copies[i * copy_stride + c];
-  }
-  owned->putScalar(0);
-  owned->doExport(*copied, *plan_->import, Tpetra::ADD);
-  const auto view = owned->getLocalViewHost(Tpetra::Access::ReadOnly);
-  for (std::size_t i = 0; i < sources_.size(); ++i)
-    for (int c = 0; c < n_components && sources_[i] >= 0; ++c)
-      values[static_cast<std::size_t>(sources_[i]) * stride + c] += view(i, c);
+  const auto read = [&](std::int32_t copy, std::int64_t* row) {
+    std::copy_n(copies + static_cast<std::size_t>(copy) * copy_stride, n_components, row);
+  };
+  const auto add = [&](std::int32_t source, const std::int64_t* row) {
+    const std::int32_t at = sources_[source];
+    for (int c = 0; c < n_components && at >= 0; ++c) values[static_cast<std::size_t>(at) * stride + c] += row[c];
+  };
+  for (std::size_t k = 0; k < plan_->own_source.size(); ++k)
+    add(plan_->own_source[k], copies + static_cast<std::size_t>(plan_->own_copy[k]) * copy_stride);
+  plan_->integers.exchange(plan_->comm, plan_->owners, plan_->holders, n_components, read, add);
 }
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// Carries values between the owner of an item and its copies elsewhere, with Tpetra Import and Export.
+// Carries values between the owner of an item and its copies elsewhere, along the lists of a Tpetra Import.
 #pragma once
 
 #include <mpi.h>
@@ -50,6 +50,7 @@ class ExchangePlan {
  private:
   ExchangePlan(MPI_Comm comm, const std::vector<Needed>& needed);
   const std::vector<std::int64_t>& requested() const;
+  void check_order(const std::vector<std::int64_t>& ids);
 
   struct Plan;
   std::unique_ptr<Plan> plan_;

@@ -240,6 +240,10 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   let_go_counts.insert(let_go_counts.end(), let_go.by_part.begin(), let_go.by_part.end());
   file.write_attribute("let_go", let_go_counts);
   file.write_attribute("contact", std::vector<double>{let_go.deepest, let_go.first_time});
+  std::vector<double> paces;
+  for (const ImpactPace& pace : p.paces)
+    paces.insert(paces.end(), {static_cast<double>(pace.rounds), pace.first_excess});
+  if (!paces.empty()) file.write_attribute("contact_paces", paces);
   file.write_attribute("balance_policy", p.balance_policy.type);
   if (!p.balance_policy.numbers.empty()) file.write_attribute("balance_policy_state", p.balance_policy.numbers);
   file.write_attribute("plugin_files", "plugins:\n" + output.plugin_files);  // no attribute is empty
@@ -271,6 +275,10 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   p.last_rebalance = counters.at(1);
   if (file.has_attribute("balance_policy")) p.balance_policy.type = file.text("balance_policy");
   if (file.has_attribute("balance_policy_state")) p.balance_policy.numbers = file.reals("balance_policy_state");
+  if (file.has_attribute("contact_paces")) {
+    const auto paces = file.reals("contact_paces");
+    for (std::size_t k = 0; k + 1 < paces.size(); k += 2) p.paces.push_back({static_cast<int>(paces[k]), paces[k + 1]});
+  }
   p.element_cycles = counters.at(2);
   p.reduction.least_id = counters.at(3);
   read_side_books(file, path, simulation);

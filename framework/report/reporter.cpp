@@ -176,8 +176,10 @@ void Reporter::after_step(Simulation& simulation, const Step& step) {
   const auto scope = simulation.timers().measure("output");
   if (simulation.any_eroded()) {
     count_eroded(simulation.eroded_now());
-    erosion_log_->append(simulation.model().comm, simulation.eroded_now());
+    erosion_log_->keep(simulation.eroded_now());
+    has_erosions_ = true;
   }
+  if (step.cycle % erosion_interval == 0) write_erosions();
   const double tolerance = due_tolerance(input_.time);
   if (step.end() >= due_.next_history - tolerance) {
     due_.next_history = next_due(due_.next_history, history_interval_, step.end() + tolerance);
@@ -213,12 +215,20 @@ void Reporter::count_eroded(const std::vector<ErosionRecord>& records) {
     }
 }
 
+/// Writes what has been kept of erosions. The flag is the same on all ranks. Collective.
+void Reporter::write_erosions() {
+  if (has_erosions_) erosion_log_->write();
+  has_erosions_ = false;
+}
+
 void Reporter::write_frame() {
+  write_erosions();
   frames_.write(simulation_.clock().time(), *results_);
   last_frame_cycle_ = simulation_.clock().cycle();
 }
 
 void Reporter::write_history(bool check) {
+  write_erosions();
   last_ = simulation_.sample();
   last_history_cycle_ = simulation_.clock().cycle();
   last_.dt = simulation_.clock().last_dt();
@@ -234,6 +244,7 @@ void Reporter::write_restart() {
   on_root(simulation_.model().comm, [&] { make_folder(settings_.folder + "/restart"); });
   history_->sync();  // rows up to the time of the restart file must be there when it is
   observers_.sync();
+  write_erosions();
   erosion_log_->sync();
   due_.n_frames = results_->n_frames();
   due_.observers = observers_.progress();
@@ -264,6 +275,7 @@ void Reporter::finish(const std::string& exit) {
     if (last_history_cycle_ != simulation_.clock().cycle()) write_history(false);
     if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
     observers_.finish();
+    write_erosions();
     const bool wanted = exit == "signal" || (exit == "completed" && input_.output.restart_at_end);
     if (wanted && last_restart_cycle_ != simulation_.clock().cycle()) write_restart();
     results_->close();
@@ -284,6 +296,10 @@ void Reporter::finish(const std::string& exit) {
 }
 
 void Reporter::give_up(const std::string& failure) {
+  try {
+    write_erosions();
+  } catch (const OutputError&) {  // the failure that counts is on its way already
+  }
   results_.reset();
   const Summary summary = summarise(failure);
   if (!root()) return;

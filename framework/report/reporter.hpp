@@ -52,6 +52,7 @@ class Reporter final : public StepObserver {
   void add_parts(Summary& summary);
   void add_measures(Summary& summary);
   void add_timers(Summary& summary);
+  void write_erosions();
   std::string table_of(const Summary& summary) const;
   bool root() const { return simulation_.model().rank() == 0; }
 
@@ -67,6 +68,9 @@ class Reporter final : public StepObserver {
   Balance last_;
   double results_interval_ = 0.0, history_interval_ = 0.0, restart_interval_ = 0.0, start_seconds_ = 0.0;
   double next_progress_ = 0.0;
+  static constexpr std::int64_t erosion_interval =
+      50;  // cycles after which rows of erosion.csv are written at the latest
+  bool has_erosions_ = false;  // that are not written yet, on any rank
   std::int64_t last_history_cycle_ = -1, last_frame_cycle_ = -1, last_restart_cycle_ = -1;
   void count_eroded(const std::vector<ErosionRecord>& records);
 

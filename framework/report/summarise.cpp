@@ -358,15 +358,28 @@ void Reporter::add_measures(Summary& summary) {
     }
 }
 
+namespace {
+
+Summary::Spread spread_over_ranks(MPI_Comm comm, double mine) {
+  double sum = mine;
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return {least(comm, mine), sum / size_of(comm), greatest(comm, mine)};
+}
+
+}  // namespace
+
 void Reporter::add_timers(Summary& summary) {
   const MPI_Comm comm = simulation_.model().comm;
+  double work = 0.0, total = 0.0;
   for (std::size_t k = 0; k < std::size(timer_table); ++k) {
-    const double mine = simulation_.timers().all()[k];
-    double sum = mine;
-    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
-    summary.timers[timer_table[k].name] = {least(comm, mine), sum / simulation_.model().n_ranks(),
-                                           greatest(comm, mine)};
+    const Timers::Time mine = simulation_.timers().all()[k];
+    summary.timers[timer_table[k].name] = {spread_over_ranks(comm, mine.total),
+                                           spread_over_ranks(comm, mine.total - mine.in_messages)};
+    if (!timer_table[k].in_step) continue;
+    total += mine.total;
+    work += mine.total - mine.in_messages;
   }
+  summary.steps = {spread_over_ranks(comm, total), spread_over_ranks(comm, work)};
 }
 
 std::string Reporter::table_of(const Summary& s) const {
@@ -395,7 +408,7 @@ std::string Reporter::table_of(const Summary& s) const {
   if (s.no_tension.elements > 0) fmt::format_to(out, "\nfailed and kept without tension  {}\n", s.no_tension.elements);
   fmt::format_to(out, "{}", table_of_measures(s));
   fmt::format_to(out, "\ntime [s]\n");
-  for (const auto& [name, t] : s.timers) fmt::format_to(out, "  {:<16}{:>10.3f}\n", name, t.mean);
+  for (const auto& [name, t] : s.timers) fmt::format_to(out, "  {:<16}{:>10.3f}\n", name, t.total.mean);
   fmt::format_to(out, "output in {}\n", settings_.folder);
   return fmt::to_string(text);
 }

@@ -562,7 +562,7 @@ TEST_F(SummaryFile, has_the_keys_of_the_contract_and_null_for_what_is_not_a_numb
   s.eroded.by_part["rod"] = 4;
   s.parts["rod"] = {10, 6, 0.5, {0.0, 0.0, -100.0}, 2500.0};
   s.measures["length"] = 0.1 + 0.2;
-  s.timers["halo"] = {1.0, 2.0, 3.0};
+  s.timers["halo"] = {{1.0, 2.0, 3.0}, {0.5, 1.0, 1.5}};
   s.observers["nose"]["rows_without_value"] = 3.0;
   s.rebalances.push_back({100, 1.5, 1.01, 77, 0.25});
   write_summary(path("summary.json"), s);
@@ -580,6 +580,7 @@ TEST_F(SummaryFile, has_the_keys_of_the_contract_and_null_for_what_is_not_a_numb
   EXPECT_EQ(json["parts"]["rod"]["velocity"][2], -100.0);
   EXPECT_EQ(json["measures"]["length"].get<double>(), 0.1 + 0.2);
   EXPECT_EQ(json["timers"]["halo"]["mean"], 2.0);
+  EXPECT_EQ(json["timers"]["halo"]["work"]["max"], 1.5);
   EXPECT_EQ(json["observers"]["nose"]["rows_without_value"], 3.0);
   EXPECT_EQ(json["rebalances"][0]["elements_moved"], 77);
   EXPECT_FALSE(fs::exists(path("summary.json.part")));

@@ -1,0 +1,128 @@
+// The consensus by which ranks know that all messages have arrived.
+#include "parallel/sparse_exchange.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "core/waiting.hpp"
+#include "parallel/communicator.hpp"
+
+namespace kerf {
+
+namespace {
+
+/// Tags of exchanges, in turn: a rank that has left one exchange may send in the next, while another rank still looks
+/// for messages of the first. It cannot be two exchanges ahead, because every exchange ends with a barrier of all.
+constexpr int first_tag = 7100;
+
+int delete_count(MPI_Comm, int, void* value, void*) {
+  delete static_cast<std::int64_t*>(value);
+  return MPI_SUCCESS;
+}
+
+/// The tag of the next exchange on a communicator, which keeps the count.
+int next_tag(MPI_Comm comm) {
+  static const int key = [] {
+    int k = MPI_KEYVAL_INVALID;
+    MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, &delete_count, &k, nullptr);
+    return k;
+  }();
+  void* value = nullptr;
+  int found = 0;
+  MPI_Comm_get_attr(comm, key, &value, &found);
+  if (found == 0) {
+    value = new std::int64_t{0};
+    MPI_Comm_set_attr(comm, key, value);
+  }
+  return first_tag + static_cast<int>((*static_cast<std::int64_t*>(value))++ % 2);
+}
+
+int count_of(std::size_t n_items) {
+  if (n_items > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw std::runtime_error("a message has more items than MPI can count; use more ranks");
+  return static_cast<int>(n_items);
+}
+
+/// Receives a message of a tag if one has arrived.
+bool receive(MPI_Comm comm, int tag, MPI_Datatype item, std::size_t item_size, std::vector<IncomingMessage>& incoming) {
+  int arrived = 0;
+  MPI_Message message = MPI_MESSAGE_NULL;
+  MPI_Status status;
+  MPI_Improbe(MPI_ANY_SOURCE, tag, comm, &arrived, &message, &status);
+  if (arrived == 0) return false;
+  int n = 0;
+  MPI_Get_count(&status, item, &n);
+  IncomingMessage& m = incoming.emplace_back();
+  m.rank = status.MPI_SOURCE;
+  m.bytes.resize(static_cast<std::size_t>(n) * item_size);
+  MPI_Mrecv(m.bytes.data(), n, item, &message, MPI_STATUS_IGNORE);
+  return true;
+}
+
+}  // namespace
+
+std::vector<IncomingMessage> exchange_sparsely(MPI_Comm comm, MPI_Datatype item, std::size_t item_size,
+                                               const std::vector<OutgoingMessage>& outgoing) {
+  const Waiting waiting;
+  const int here = rank_of(comm);
+  std::vector<IncomingMessage> incoming;
+  std::vector<MPI_Request> sends;
+  const int tag = next_tag(comm);
+  for (const OutgoingMessage& m : outgoing) {
+    if (m.rank == here) {
+      const char* data = static_cast<const char*>(m.data);
+      incoming.push_back({here, {data, data + m.n_items * item_size}});
+      continue;
+    }
+    sends.emplace_back();
+    // Synchronous: it is complete when its receiver has taken it.
+    MPI_Issend(m.data, count_of(m.n_items), item, m.rank, tag, comm, &sends.back());
+  }
+  MPI_Request barrier = MPI_REQUEST_NULL;
+  for (int done = 0, all_taken = 0; done == 0;) {
+    while (receive(comm, tag, item, item_size, incoming)) {
+    }
+    if (all_taken != 0) {
+      MPI_Test(&barrier, &done, MPI_STATUS_IGNORE);
+      continue;
+    }
+    MPI_Testall(static_cast<int>(sends.size()), sends.data(), &all_taken, MPI_STATUSES_IGNORE);
+    if (all_taken != 0) MPI_Ibarrier(comm, &barrier);
+  }
+  std::sort(incoming.begin(), incoming.end(), [](const auto& a, const auto& b) { return a.rank < b.rank; });
+  return incoming;
+}
+
+void SparseExchange::deliver() {
+  // A message begins with the length of each list in bytes, and is filled up to whole words.
+  constexpr std::size_t word = sizeof(std::int64_t);
+  std::vector<std::vector<std::int64_t>> packed;
+  std::vector<OutgoingMessage> out;
+  for (const auto& [rank, lists] : outgoing_) {
+    std::size_t n_bytes = 0;
+    for (const auto& list : lists) n_bytes += list.size();
+    std::vector<std::int64_t>& words = packed.emplace_back(n_lists_ + (n_bytes + word - 1) / word, 0);
+    char* at = reinterpret_cast<char*>(words.data() + n_lists_);
+    for (std::size_t k = 0; k < n_lists_; ++k) {
+      words[k] = static_cast<std::int64_t>(lists[k].size());
+      at = std::copy(lists[k].begin(), lists[k].end(), at);
+    }
+    out.push_back({rank, words.data(), words.size()});
+  }
+  outgoing_.clear();
+  messages_ = exchange_sparsely(comm_, MPI_INT64_T, word, out);
+  incoming_.clear();
+  for (const IncomingMessage& m : messages_) {
+    auto& lists = incoming_.emplace_back(m.rank, std::vector<std::span<const char>>{}).second;
+    const char* at = m.bytes.data() + n_lists_ * word;
+    for (std::size_t k = 0; k < n_lists_; ++k) {
+      std::int64_t n_bytes = 0;
+      std::memcpy(&n_bytes, m.bytes.data() + k * word, word);
+      lists.emplace_back(at, static_cast<std::size_t>(n_bytes));
+      at += n_bytes;
+    }
+  }
+}
+
+}  // namespace kerf

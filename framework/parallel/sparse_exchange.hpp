@@ -1,0 +1,80 @@
+// Messages that their receivers do not know of before: each rank tells only the ranks that it has something for.
+//
+// The ranks agree that all messages have arrived by a consensus that costs one barrier, which nobody stands still in
+// (T. Hoefler, C. Siebert & A. Lumsdaine, "Scalable communication protocols for dynamic sparse data exchange", PPoPP
+// 2010, algorithm NBX).
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace kerf {
+
+/// Items of one kind for one rank.
+struct OutgoingMessage {
+  int rank = 0;
+  const void* data = nullptr;
+  std::size_t n_items = 0;
+};
+struct IncomingMessage {
+  int rank = 0;  // that has sent it
+  std::vector<char> bytes;
+};
+
+/// Sends every message, and returns those for this rank in the order of the ranks that have sent them. At most one
+/// message per rank; a rank may write to itself. `item` is a datatype of `item_size` bytes. Collective.
+std::vector<IncomingMessage> exchange_sparsely(MPI_Comm comm, MPI_Datatype item, std::size_t item_size,
+                                               const std::vector<OutgoingMessage>& outgoing);
+
+/// Several lists of items for several ranks, in one message to each.
+class SparseExchange {
+ public:
+  explicit SparseExchange(MPI_Comm comm, int n_lists) : comm_(comm), n_lists_(static_cast<std::size_t>(n_lists)) {}
+
+  template <class T>
+  void put(int list, int rank, const T& item) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    auto& lists = outgoing_[rank];
+    lists.resize(n_lists_);
+    auto& bytes = lists[static_cast<std::size_t>(list)];
+    const char* data = reinterpret_cast<const char*>(&item);
+    bytes.insert(bytes.end(), data, data + sizeof(T));
+  }
+  /// Collective.
+  void deliver();
+
+  /// What has come in a list: `visit(rank, item)`, ordered by rank, and of each rank in the order that it was put in.
+  template <class T, class Visit>
+  void each(int list, const Visit& visit) const {
+    for (const auto& [rank, lists] : incoming_) {
+      const std::span<const char> bytes = lists[static_cast<std::size_t>(list)];
+      for (std::size_t at = 0; at + sizeof(T) <= bytes.size(); at += sizeof(T)) {
+        T item;
+        std::memcpy(&item, bytes.data() + at, sizeof(T));
+        visit(rank, item);
+      }
+    }
+  }
+  template <class T>
+  std::vector<T> take(int list) const {
+    std::vector<T> items;
+    each<T>(list, [&items](int, const T& item) { items.push_back(item); });
+    return items;
+  }
+
+ private:
+  MPI_Comm comm_;
+  std::size_t n_lists_;
+  std::map<int, std::vector<std::vector<char>>> outgoing_;  // by rank and list
+  std::vector<IncomingMessage> messages_;
+  std::vector<std::pair<int, std::vector<std::span<const char>>>> incoming_;  // rank; lists in messages_
+};
+
+}  // namespace kerf
