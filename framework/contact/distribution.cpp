@@ -13,7 +13,7 @@ namespace {
 
 /// Cost of keeping one candidate until the next search, over the cost of searching for one slave.
 constexpr double candidate_work = 0.3;
-/// Ranks keep their boxes of space while the busiest has at most this times the mean work.
+/// Ranks keep their boxes of space while the busiest has at most this times what it had in new ones, over the mean.
 constexpr double worst_share = 1.1;
 /// Distance that slaves may leave their rank's box before the next search, over its edge.
 constexpr double spare_share = 0.05;
@@ -29,12 +29,14 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   for (const ContactNodeRecord& s : slaves)
     weights.push_back(1.0 +
                       (n_candidates_.empty() ? 0.0 : candidate_work * static_cast<double>(n_candidates_[s.local])));
-  if (!space_built_ || uneven(model, slaves, weights)) {
+  const double now = space_built_ ? unevenness(model, slaves, weights) : 0.0;
+  if (!space_built_ || now > worst_share * best_unevenness_) {
     std::vector<double> coordinates;
     for (const ContactNodeRecord& s : slaves)
       for (int d = 0; d < 3; ++d) coordinates.push_back(s.home[d]);
     space_->build(model.comm, coordinates, weights);
     space_built_ = true;
+    best_unevenness_ = unevenness(model, slaves, weights);
   }
   // Leaves some for slaves that join before the next search, and for the way that all make until then, as far as that
   // does not send many facets to ranks that do not need them.
@@ -46,9 +48,9 @@ void ContactEngine::distribute(const Model& model, std::vector<ContactNodeRecord
   send(model, slaves, facets);
 }
 
-/// Whether the present boxes of space share out the work badly. Collective.
-bool ContactEngine::uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
-                           const std::vector<double>& weights) const {
+/// Greatest over mean work of the ranks with the present boxes of space. Collective.
+double ContactEngine::unevenness(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                                 const std::vector<double>& weights) const {
   // In whole numbers, whose sums are the same on all ranks.
   constexpr double units = 1024.0;  // of the search for one slave
   std::vector<std::int64_t> work(static_cast<std::size_t>(model.n_ranks()), 0);
@@ -57,7 +59,8 @@ bool ContactEngine::uneven(const Model& model, const std::vector<ContactNodeReco
   const Waiting waiting;
   MPI_Allreduce(MPI_IN_PLACE, work.data(), model.n_ranks(), MPI_INT64_T, MPI_SUM, model.comm);
   const auto total = static_cast<double>(std::accumulate(work.begin(), work.end(), std::int64_t{0}));
-  return static_cast<double>(*std::max_element(work.begin(), work.end())) * model.n_ranks() > worst_share * total;
+  if (!(total > 0.0)) return 1.0;
+  return static_cast<double>(*std::max_element(work.begin(), work.end())) * model.n_ranks() / total;
 }
 
 /// Longest edge of the box round the homes of all slaves, and how far any of them reaches. Collective.
@@ -128,13 +131,17 @@ void ContactEngine::take(std::vector<ContactNodeRecord>& slaves, std::vector<Con
   for (const int holder : post.take<int>(Post::holders)) channel_.meet_holder(holder);
 }
 
-/// Replaces the records that this rank made by those that concern its box of space. Collective.
+/// Replaces the records of a search by those that concern this rank's box of space. Collective.
 void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& slaves,
                          std::vector<ContactFacetRecord>& facets) {
   SparseExchange exchange(model.comm, Post::n_lists);
   Post post(exchange, 0);
   put(slaves, facets, post);
+  const std::vector<int> receivers = exchange.receivers();
   exchange.deliver();
+  told_.clear();
+  tellers_.clear();
+  meet_partners(receivers, exchange.senders());
   take(slaves, facets, post);
 }
 

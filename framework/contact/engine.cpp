@@ -110,6 +110,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
 }
 
 void ContactEngine::search(Model& model, const Step& step) {
+  outbox_.reset();
   std::vector<ExteriorFacet> exterior = model.surface.exterior(model.surface_mesh());
   drop_mirrored(model, exterior);
   const std::vector<std::int32_t> surface = surface_nodes(model, exterior);
@@ -151,19 +152,50 @@ std::vector<ContactNodeRecord> ContactEngine::stray_slaves(const Model& model) c
   return slaves;
 }
 
-/// Looks for what the strays and the facets round them may touch. Collective.
-void ContactEngine::refresh(Model& model, bool all_that_will_leave) {
-  std::vector<ContactNodeRecord> slaves = stray_slaves(model);
+/// Collects the records of the strays and of the facets round them, for this rank or into the outbox. What the outbox
+/// holds already stays in it.
+void ContactEngine::prepare_refresh(Model& model) {
+  changed_slaves_ = stray_slaves(model);
   std::vector<char> stray(static_cast<std::size_t>(model.nodes.n()), 0);
   for (const auto& [k, boxes] : strays_) stray[tracked_[k].node] = 1;
   std::vector<ExteriorFacet> round = model.surface.exterior_round(model.surface_mesh(), stray);
   drop_mirrored(model, round);
-  std::vector<ContactFacetRecord> facets = collect_facets(model, round);
-  if (model.n_ranks() > 1) send(model, slaves, facets);
+  new_facets_ = collect_facets(model, round);
+  if (model.n_ranks() == 1) return;
+  if (!outbox_) outbox_ = std::make_unique<SparseExchange>(model.comm, Post::n_lists);
+  Post post(*outbox_, 0);
+  put(changed_slaves_, new_facets_, post);
+}
+
+bool ContactEngine::has_news() const {
+  if (!outbox_) return false;
+  const std::vector<int> receivers = outbox_->receivers();
+  return std::any_of(receivers.begin(), receivers.end(), [this](int rank) { return !told_.contains(rank); });
+}
+
+void ContactEngine::meet_partners(const std::vector<int>& receivers, const std::vector<int>& senders) {
+  told_.insert(receivers.begin(), receivers.end());
+  tellers_.insert(senders.begin(), senders.end());
+}
+
+/// Looks for what the strays and the facets round them may touch. Collective.
+void ContactEngine::refresh(Model& model, bool all_that_will_leave, bool has_news) {
+  if (model.n_ranks() > 1) {
+    if (!outbox_) outbox_ = std::make_unique<SparseExchange>(model.comm, Post::n_lists);
+    const std::vector<int> receivers = outbox_->receivers();
+    if (has_news) {
+      outbox_->deliver();
+      meet_partners(receivers, outbox_->senders());
+    } else {
+      outbox_->deliver_among(told_, tellers_);
+    }
+    take(changed_slaves_, new_facets_, Post(*outbox_, 0));
+    outbox_.reset();
+  }
   if (all_that_will_leave)
-    search_->renew(facets, slaves);
+    search_->renew(new_facets_, changed_slaves_);
   else
-    search_->refresh(facets, slaves);
+    search_->refresh(new_facets_, changed_slaves_);
   connect(model, false);
 }
 
@@ -176,39 +208,48 @@ void ContactEngine::look_ahead(const Model& model, const Step& step) {
 
 bool ContactEngine::renewal_due(const Step& step) const { return step.cycle - last_renewal_ >= law_.search_interval; }
 
-SearchNeed ContactEngine::need(const Model& model, const Step& step, const Prediction& longest) {
-  if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) return SearchNeed::everything;
+ContactNeed ContactEngine::need(Model& model, const Step& step, const Prediction& longest) {
+  outbox_.reset();
+  if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) return {SearchNeed::everything, 0};
   prediction_ = &longest;
-  SearchNeed mine = SearchNeed::nothing;
+  ContactNeed mine;
+  strays_.clear();
+  changed_slaves_.clear();
+  new_facets_.clear();
   if (renewal_due(step)) {
-    strays_.clear();
     look_ahead(model, step);
-    mine = SearchNeed::renewal;
+    mine.what = SearchNeed::renewal;
   } else {
     find_strays(model, step);
     foresee_strays(model, step);
-    if (!strays_.empty()) mine = SearchNeed::strays;
+    if (!strays_.empty()) mine.what = SearchNeed::strays;
     if (search_->stale() || strays_.size() > std::max(tracked_.size() / 100, std::size_t{64}))
-      mine = SearchNeed::renewal;
+      mine.what = SearchNeed::renewal;
   }
-  if (model.n_ranks() > 1 && farthest_reach(stray_slaves(model)) > slave_reach_) mine = SearchNeed::everything;
+  if (mine.what != SearchNeed::nothing) prepare_refresh(model);
+  mine.has_news = has_news() ? 1 : 0;
+  if (model.n_ranks() > 1 && farthest_reach(changed_slaves_) > slave_reach_) mine.what = SearchNeed::everything;
   prediction_ = nullptr;
   return mine;
 }
 
 /// Does what is needed so that whatever may touch in this cycle is among the candidates. Collective.
-void ContactEngine::keep_complete(Model& model, const Step& step, SearchNeed need) {
+void ContactEngine::keep_complete(Model& model, const Step& step, const ContactPlan& plan) {
+  SearchNeed need = plan.need;
+  bool news = plan.has_news;
   if (need == SearchNeed::nothing) return;
   if (need == SearchNeed::strays) {
     ++counts_.refreshes;
-    refresh(model, false);
+    refresh(model, false, news);
     return;
   }
   if (need == SearchNeed::renewal && !renewal_due(step)) {
     // Not foretold by the count of cycles: nobody has looked so far ahead yet. The boxes of the strays of this step are
     // new already, and still have to be told.
     look_ahead(model, step);
-    const double reach = model.n_ranks() > 1 ? greatest(model.comm, farthest_reach(stray_slaves(model))) : 0.0;
+    prepare_refresh(model);
+    news = true;
+    const double reach = model.n_ranks() > 1 ? greatest(model.comm, farthest_reach(changed_slaves_)) : 0.0;
     if (reach > slave_reach_) need = SearchNeed::everything;
   }
   if (need == SearchNeed::everything) {
@@ -216,7 +257,7 @@ void ContactEngine::keep_complete(Model& model, const Step& step, SearchNeed nee
     return;
   }
   last_renewal_ = step.cycle;
-  refresh(model, true);
+  refresh(model, true, news);
   ++counts_.renewals;
 }
 
@@ -423,7 +464,7 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   prediction_ = &prediction;
   {
     const auto scope = timers.measure("contact_search");
-    keep_complete(model, step, plan.need);
+    keep_complete(model, step, plan);
   }
   const auto scope = timers.measure("contact_forces");
   pull(model);

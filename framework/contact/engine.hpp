@@ -47,7 +47,14 @@ enum class SearchNeed : std::int64_t { nothing, strays, renewal, everything };
 /// What all ranks have agreed on before a definition makes its forces.
 struct ContactPlan {
   SearchNeed need = SearchNeed::everything;
+  bool has_news = true;  // for ranks that do not expect any: records must be sent with an agreement of all
   ImpactPace pace;
+};
+
+/// What a rank finds about its candidates before the forces of a step.
+struct ContactNeed {
+  SearchNeed what = SearchNeed::nothing;
+  std::int64_t has_news = 0;  // 1 where this rank has records for a rank that it has not told anything yet
 };
 
 class ContactEngine {
@@ -83,12 +90,14 @@ class ContactEngine {
   /// leaves it to the next search. Collective among ranks that share nodes.
   void announce_change(const Model& model, double time, const std::vector<std::int64_t>& dead_elements,
                        std::vector<ExteriorFacet> opened, Post& post);
+  /// Notes the ranks that have been told something in an agreement of all, and those that have told this one. Local.
+  void meet_partners(const std::vector<int>& receivers, const std::vector<int>& senders);
   /// After the post was delivered: takes the dead facets out and the opened ones in. Collective among ranks that have
   /// met.
   void take_change(const Model& model, const Post& post);
   /// What this rank's candidates need before the forces of a step that is not longer than that of `longest`. Pre: as
   /// for add_forces(). Local.
-  SearchNeed need(const Model& model, const Step& step, const Prediction& longest);
+  ContactNeed need(Model& model, const Step& step, const Prediction& longest);
   /// Adds this definition's forces to the owners of the nodes, searching first if needed. Pre: the nodes' forces are
   /// the sums of all others, on all copies; `prediction` is what they will do; `plan` has the greatest need of all
   /// ranks. Collective.
@@ -137,11 +146,13 @@ class ContactEngine {
   void look_ahead(const Model& model, const Step& step);
   void foresee_strays(const Model& model, const Step& step);
   std::vector<ContactNodeRecord> stray_slaves(const Model& model) const;
-  void keep_complete(Model& model, const Step& step, SearchNeed need);
+  void keep_complete(Model& model, const Step& step, const ContactPlan& plan);
+  void prepare_refresh(Model& model);
+  bool has_news() const;
   std::vector<char> bodies_with_own_frame() const;
   void find_strays(const Model& model, const Step& step);
   void find_outgrown(const Model& model, const Step& step);
-  void refresh(Model& model, bool all_that_will_leave);
+  void refresh(Model& model, bool all_that_will_leave, bool has_news);
   void drop_mirrored(const Model& model, std::vector<ExteriorFacet>& facets) const;
   std::vector<std::int32_t> surface_nodes(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   void foresee(const Model& model, std::size_t tracked, double time, unsigned boxes = in_common_frame | in_own_frame);
@@ -155,8 +166,8 @@ class ContactEngine {
   bool collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& record) const;
   std::vector<ContactFacetRecord> collect_facets(const Model& model, const std::vector<ExteriorFacet>& facets) const;
   void distribute(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
-  bool uneven(const Model& model, const std::vector<ContactNodeRecord>& slaves,
-              const std::vector<double>& weights) const;
+  double unevenness(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                    const std::vector<double>& weights) const;
   void count_candidates(const Model& model);
   struct Extent {
     double edge, reach;  // [m]
@@ -189,9 +200,14 @@ class ContactEngine {
   std::unique_ptr<SpatialDecomposition> space_;
   std::vector<std::int64_t> n_candidates_;  // per local node that this rank owns, at the last search; or empty
   bool space_built_ = false, valid_ = false;
+  double best_unevenness_ = 1.0;  // of the work of ranks with boxes of space that were just made
   std::int64_t last_search_ = 0, last_renewal_ = 0;  // cycles
   ContactFrame common_frame_;  // of the body that has most of the surface
   std::vector<ContactFrame> body_frames_;  // per part; used for the first part of each body
+  // Of the last search, by part: frames before those that move like the common one became it, and the square of the
+  // difference from the frame's velocity up to which nodes counted [m2/s2].
+  std::vector<ContactFrame> mean_frames_;
+  std::vector<double> within_;
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
   // Of the tracked nodes, seen from the frames of their bodies; apart, because few bodies have one of their own to look
@@ -214,6 +230,8 @@ class ContactEngine {
   std::vector<ContactFacetRecord> new_facets_;
   std::vector<std::int64_t> dead_elements_;
   bool reaches_too_far_ = false;
+  std::unique_ptr<SparseExchange> outbox_;  // of the records of strays
+  std::set<int> told_, tellers_;  // ranks that have got records from this one since the last search, and the reverse
   const Prediction* prediction_ = nullptr;  // of the step that is being made; null for the model as it stands
   AlignedVector<double> position_, velocity_;  // of the nodes of the view, predicted
   AlignedVector<double> pushed_velocity_;  // of the active nodes of the view, with the contact forces so far

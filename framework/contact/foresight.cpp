@@ -76,11 +76,20 @@ void ContactEngine::choose_frames(const Model& model, const std::vector<std::int
   constexpr int n_rounds = 4;
   constexpr double floor = 1e-6;  // lower bound of the variance of a mean velocity, over the square of the mean
   constexpr std::size_t n_sums = 8;
-  body_frames_.assign(model.parts.size(), {});
   constexpr double unknown = 1e300;  // of bodies without elements
-  std::vector<double> within(model.parts.size(), unknown);  // square of the difference up to which nodes count [m2/s2]
+  // The frames of the search before are a good start: then one round is enough.
+  const bool first_time = within_.empty();
+  if (first_time) {
+    body_frames_.assign(model.parts.size(), {});
+    within_.assign(model.parts.size(), unknown);
+  } else {
+    constexpr double wider = 4.0;  // because every round narrows it
+    body_frames_ = mean_frames_;
+    for (double& w : within_) w = std::min(wider * w, unknown);
+  }
+  std::vector<double>& within = within_;
   std::size_t largest = 0;
-  for (int round = 0; round < n_rounds; ++round) {
+  for (int round = first_time ? 0 : n_rounds - 1; round < n_rounds; ++round) {
     // Of differences from the last mean velocity, their squares, nodes, positions.
     std::vector<double> sums(n_sums * model.parts.size(), 0.0);
     for (const std::int32_t i : surface) {
@@ -98,7 +107,7 @@ void ContactEngine::choose_frames(const Model& model, const std::vector<std::int
     MPI_Bcast(totals.data(), static_cast<int>(totals.size()), MPI_DOUBLE, 0, model.comm);
     for (std::size_t p = 0; p < model.parts.size(); ++p) {
       const double* total = &totals[n_sums * p];
-      if (round == 0 && total[4] > totals[n_sums * largest + 4]) largest = p;
+      if (total[4] > totals[n_sums * largest + 4]) largest = p;
       if (!(total[4] > 0.0)) continue;
       ContactFrame& frame = body_frames_[p];
       const Vec3 shift = Vec3{total[0], total[1], total[2]} * (1.0 / total[4]);
@@ -107,6 +116,7 @@ void ContactEngine::choose_frames(const Model& model, const std::vector<std::int
       within[p] = std::max(total[3] / total[4] - dot(shift, shift), floor * dot(frame.velocity, frame.velocity));
     }
   }
+  mean_frames_ = body_frames_;
   common_frame_ = body_frames_.empty() ? ContactFrame{} : body_frames_[largest];
   const std::vector<char> has_own = bodies_with_own_frame();
   for (std::size_t p = 0; p < body_frames_.size(); ++p)

@@ -20,11 +20,12 @@ struct StepReduction {
 
 /// What ranks tell each other about a contact definition.
 struct ContactNote {
-  SearchNeed need = SearchNeed::nothing;  // before the forces to come; of the first definition only
+  ContactNeed need;  // before the forces to come; of the first definition only
   ImpactEffort effort;  // of the forces of the step before
 
   void join(const ContactNote& other) {
-    need = need < other.need ? other.need : need;
+    need.what = need.what < other.need.what ? other.need.what : need.what;
+    need.has_news |= other.need.has_news;
     effort.join(other.effort);
   }
 };

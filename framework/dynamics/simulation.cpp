@@ -255,6 +255,7 @@ void Simulation::run() {
     if (step.cycle == 1) check_speeds(step.end());
     for (StepObserver* o : observers_) o->after_step(*this, step);
   }
+  marks::enter(marks::beside);  // what follows belongs to no step
 }
 
 /// Between the drift and the forces, when the old forces have done their work and nothing but state has to move.
@@ -296,8 +297,9 @@ void Simulation::add_contact_forces(const Step& step) {
     if (k > 0) {
       // What the definitions before do to the nodes of this one is known only now.
       const auto scope = timers_.measure("contact_search");
-      const auto mine = static_cast<std::int64_t>(c.need(model_, step, prediction));
-      plan.need = static_cast<SearchNeed>(greatest(model_.comm, mine));
+      const ContactNeed mine = c.need(model_, step, prediction);
+      plan.need = static_cast<SearchNeed>(greatest(model_.comm, static_cast<std::int64_t>(mine.what)));
+      plan.has_news = true;
     }
     c.add_forces(model_, step, prediction, plan, timers_);
     for (const ContactTouches::LetGo& l : c.touches().all_let_go())
@@ -327,7 +329,8 @@ void Simulation::agree(const Step& step, StepReduction mine, double local_step) 
   }
   reduction_ = mine;
   const std::vector<ImpactPace> paces = next_paces(notes);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) contact_plans_[k] = {notes[k].need, paces[k]};
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    contact_plans_[k] = {notes[k].need.what, notes[k].need.has_news != 0, paces[k]};
   keeps_paces_ = false;
 }
 
@@ -387,7 +390,9 @@ void Simulation::tell_contacts(const Step& step, const std::vector<std::int64_t>
     ContactEngine::Post post(exchange, k);
     contacts_[k]->announce_change(model_, step.end(), dead, opened, post);
   }
+  const std::vector<int> receivers = exchange.receivers();
   if (model_.n_ranks() > 1) exchange.deliver();
+  for (auto& c : contacts_) c->meet_partners(receivers, exchange.senders());
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     contacts_[k]->take_change(model_, ContactEngine::Post(exchange, k));
 }

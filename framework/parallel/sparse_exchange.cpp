@@ -15,6 +15,8 @@ namespace {
 /// Tags of exchanges, in turn: a rank that has left one exchange may send in the next, while another rank still looks
 /// for messages of the first. It cannot be two exchanges ahead, because every exchange ends with a barrier of all.
 constexpr int first_tag = 7100;
+constexpr int known_tag = 7003;  // of messages between ranks that expect them
+constexpr std::size_t word = sizeof(std::int64_t);
 
 int delete_count(MPI_Comm, int, void* value, void*) {
   delete static_cast<std::int64_t*>(value);
@@ -94,11 +96,22 @@ std::vector<IncomingMessage> exchange_sparsely(MPI_Comm comm, MPI_Datatype item,
   return incoming;
 }
 
-void SparseExchange::deliver() {
-  // A message begins with the length of each list in bytes, and is filled up to whole words.
-  constexpr std::size_t word = sizeof(std::int64_t);
+std::vector<int> SparseExchange::receivers() const {
+  std::vector<int> ranks;
+  for (const auto& [rank, lists] : outgoing_) ranks.push_back(rank);
+  return ranks;
+}
+
+std::vector<int> SparseExchange::senders() const {
+  std::vector<int> ranks;
+  for (const IncomingMessage& m : messages_) ranks.push_back(m.rank);
+  return ranks;
+}
+
+/// Messages to the ranks of outgoing_, in their order: the length of each list in bytes, and the lists, filled up to
+/// whole words.
+std::vector<std::vector<std::int64_t>> SparseExchange::pack() {
   std::vector<std::vector<std::int64_t>> packed;
-  std::vector<OutgoingMessage> out;
   for (const auto& [rank, lists] : outgoing_) {
     std::size_t n_bytes = 0;
     for (const auto& list : lists) n_bytes += list.size();
@@ -108,10 +121,12 @@ void SparseExchange::deliver() {
       words[k] = static_cast<std::int64_t>(lists[k].size());
       at = std::copy(lists[k].begin(), lists[k].end(), at);
     }
-    out.push_back({rank, words.data(), words.size()});
   }
+  return packed;
+}
+
+void SparseExchange::unpack() {
   outgoing_.clear();
-  messages_ = exchange_sparsely(comm_, MPI_INT64_T, word, out);
   incoming_.clear();
   for (const IncomingMessage& m : messages_) {
     auto& lists = incoming_.emplace_back(m.rank, std::vector<std::span<const char>>{}).second;
@@ -123,6 +138,55 @@ void SparseExchange::deliver() {
       at += n_bytes;
     }
   }
+}
+
+void SparseExchange::deliver() {
+  const std::vector<std::vector<std::int64_t>> packed = pack();
+  std::vector<OutgoingMessage> out;
+  auto words = packed.begin();
+  for (const auto& [rank, lists] : outgoing_) {
+    out.push_back({rank, words->data(), words->size()});
+    ++words;
+  }
+  messages_ = exchange_sparsely(comm_, MPI_INT64_T, word, out);
+  unpack();
+}
+
+void SparseExchange::deliver_among(const std::set<int>& to, const std::set<int>& from) {
+  const int here = rank_of(comm_);
+  for (const int rank : to)
+    if (rank != here) outgoing_[rank].resize(n_lists_);
+  const std::vector<std::vector<std::int64_t>> packed = pack();
+  messages_.clear();
+  std::vector<MPI_Request> sends;
+  const Waiting waiting;
+  auto words = packed.begin();
+  for (const auto& [rank, lists] : outgoing_) {
+    if (rank == here) {
+      const char* data = reinterpret_cast<const char*>(words->data());
+      messages_.push_back({here, {data, data + words->size() * word}});
+    } else {
+      if (!to.contains(rank)) throw std::logic_error("a message to a rank that does not expect any");
+      sends.emplace_back();
+      MPI_Isend(words->data(), count_of(words->size()), MPI_INT64_T, rank, known_tag, comm_, &sends.back());
+    }
+    ++words;
+  }
+  for (const int rank : from) {
+    if (rank == here) continue;
+    MPI_Message message = MPI_MESSAGE_NULL;
+    MPI_Status status;
+    MPI_Mprobe(rank, known_tag, comm_, &message, &status);
+    int n = 0;
+    MPI_Get_count(&status, MPI_INT64_T, &n);
+    IncomingMessage& m = messages_.emplace_back();
+    m.rank = rank;
+    m.bytes.resize(static_cast<std::size_t>(n) * word);
+    MPI_Mrecv(m.bytes.data(), n, MPI_INT64_T, &message, MPI_STATUS_IGNORE);
+  }
+  MPI_Waitall(static_cast<int>(sends.size()), sends.data(), MPI_STATUSES_IGNORE);
+  std::sort(messages_.begin(), messages_.end(), [](const auto& a, const auto& b) { return a.rank < b.rank; });
+  unpack();
 }
 
 }  // namespace kerf

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <set>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -49,6 +50,13 @@ class SparseExchange {
   }
   /// Collective.
   void deliver();
+  /// The same without any agreement, where all receivers are among `to`; this rank is told by all of `from`, perhaps
+  /// that there is nothing. Collective among ranks that list each other.
+  void deliver_among(const std::set<int>& to, const std::set<int>& from);
+  /// Ranks that something has been put in for.
+  std::vector<int> receivers() const;
+  /// Ranks that something has come from.
+  std::vector<int> senders() const;
 
   /// What has come in a list: `visit(rank, item)`, ordered by rank, and of each rank in the order that it was put in.
   template <class T, class Visit>
@@ -70,6 +78,9 @@ class SparseExchange {
   }
 
  private:
+  std::vector<std::vector<std::int64_t>> pack();
+  void unpack();
+
   MPI_Comm comm_;
   std::size_t n_lists_;
   std::map<int, std::vector<std::vector<char>>> outgoing_;  // by rank and list
