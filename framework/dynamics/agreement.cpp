@@ -21,6 +21,7 @@ void join(StepReduction& a, const StepReduction& b) {
     std::tie(a.least_step, a.least_id) = std::tie(b.least_step, b.least_id);
   a.flags |= b.flags;
   a.speeds.join(b.speeds);
+  a.work.join(b.work);
 }
 
 template <class T>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "contact/engine.hpp"
+#include "dynamics/balance.hpp"
 
 namespace kerf {
 
@@ -16,6 +17,7 @@ struct StepReduction {
   std::int64_t least_id = -1;  // element that sets it; -1 where it is contact
   std::int64_t flags = 0;  // or of all ranks
   ContactSpeeds speeds;  // of contact in the step before
+  RankWork work;  // before this step's erosion
 };
 
 /// What ranks tell each other about a contact definition.

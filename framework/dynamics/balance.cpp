@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "core/physics_error.hpp"
 #include "model/migrator.hpp"
@@ -11,38 +12,23 @@
 
 namespace kerf {
 
-namespace {
-
-double local_work(const Model& model) {
+RankWork RankWork::of(const Model& model) {
   double work = 0.0;
   for (const PartModel& p : model.parts) work += p.work * p.store->n_live();
-  return work;
+  const std::int64_t mine = std::llrint(units * work);
+  return {mine, mine, model.n_live_local()};
 }
 
-/// Greatest and mean work of the ranks; on rank 0.
-struct Work {
-  double greatest = 0.0, mean = 0.0;
-  double imbalance() const { return mean > 0.0 ? greatest / mean : 1.0; }
-};
-
-Work work_of_ranks(const Model& model) {
-  const double mine = local_work(model);
-  double most = 0.0, sum = 0.0;
-  MPI_Reduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, 0, model.comm);
-  MPI_Reduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, 0, model.comm);
-  return {most, sum / model.n_ranks()};
+RankWork RankWork::of_all(const Model& model) {
+  const RankWork mine = of(model);
+  std::int64_t sums[2] = {mine.sum, mine.n_elements};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_INT64_T, MPI_SUM, model.comm);
+  return {sums[0], greatest(model.comm, mine.most), sums[1]};
 }
 
-}  // namespace
+double Balancer::imbalance(const Model& model) { return RankWork::of_all(model).imbalance(model.n_ranks()); }
 
-double Balancer::imbalance(const Model& model) {
-  double ratio = work_of_ranks(model).imbalance();
-  // From one rank to all, because whoever reads it must read the same bits.
-  MPI_Bcast(&ratio, 1, MPI_DOUBLE, 0, model.comm);
-  return ratio;
-}
-
-bool Balancer::due(const Model& model, const Step& step, double cycles_left) {
+bool Balancer::due(const Model& model, const Step& step, double cycles_left, const RankWork& work) {
   if (model.n_ranks() == 1) return false;
   if (input_.force_interval > 0 && step.cycle % input_.force_interval == 0) return true;
   // Once, while all ranks have the same policy: what it is asked later, it is asked on rank 0.
@@ -54,14 +40,11 @@ bool Balancer::due(const Model& model, const Step& step, double cycles_left) {
                       "on",
                       input_.policy->type, input_.policy->origin, interval_));
   }
-  return interval_ > 0 && step.cycle % interval_ == 0 && ask(model, step, cycles_left);
+  return interval_ > 0 && step.cycle % interval_ == 0 && ask(model, step, cycles_left, work);
 }
 
 /// Rank 0 asks, and tells the others.
-bool Balancer::ask(const Model& model, const Step& step, double cycles_left) {
-  const Work work = work_of_ranks(model);
-  std::int64_t n_local = model.n_live_local(), n_elements = 0;
-  MPI_Reduce(&n_local, &n_elements, 1, MPI_INT64_T, MPI_SUM, 0, model.comm);
+bool Balancer::ask(const Model& model, const Step& step, double cycles_left, const RankWork& work) {
   std::string failure;
   int moves = 0;
   if (model.rank() == 0) try {
@@ -70,9 +53,9 @@ bool Balancer::ask(const Model& model, const Step& step, double cycles_left) {
       s.time = step.end();
       s.cycles_left = cycles_left;
       s.n_ranks = model.n_ranks();
-      s.n_elements = n_elements;
-      s.imbalance = work.imbalance();
-      s.mean_work = work.mean;
+      s.n_elements = work.n_elements;
+      s.imbalance = work.imbalance(model.n_ranks());
+      s.mean_work = work.mean(model.n_ranks());
       s.cycles_since_move = step.cycle - last_cycle_;
       s.moves = records_;
       moves = input_.policy->move(s) ? 1 : 0;

@@ -17,15 +17,36 @@ struct PolicyProgress {
   std::vector<double> numbers;
 };
 
+/// The work of ranks by the work model, in whole units, so that sums do not depend on any order.
+struct RankWork {
+  static constexpr double units = 1024.0;  // of an element cycle
+  std::int64_t sum = 0, most = 0, n_elements = 0;
+
+  /// Of this rank. Local.
+  static RankWork of(const Model& model);
+  /// Of all ranks. Collective.
+  static RankWork of_all(const Model& model);
+  void join(const RankWork& other) {
+    sum += other.sum;
+    most = most < other.most ? other.most : most;
+    n_elements += other.n_elements;
+  }
+  double mean(int n_ranks) const { return static_cast<double>(sum) / units / n_ranks; }
+  /// Greatest over mean.
+  double imbalance(int n_ranks) const {
+    return sum > 0 ? static_cast<double>(most) * n_ranks / static_cast<double>(sum) : 1.0;
+  }
+};
+
 class Balancer {
  public:
   explicit Balancer(const BalanceInput& input) : input_(input) {}
 
   /// Distributes the generated or restored mesh for the first time. Collective.
   void distribute(Model& model) { move(model, 0); }
-  /// Whether to re-balance after this step; `cycles_left` is an estimate. Throws PhysicsError on all ranks where the
-  /// policy throws. Collective, the same on all ranks.
-  bool due(const Model& model, const Step& step, double cycles_left);
+  /// Whether to re-balance after this step; `cycles_left` is an estimate, `work` that of all ranks. Throws PhysicsError
+  /// on all ranks where the policy throws. Collective, the same on all ranks.
+  bool due(const Model& model, const Step& step, double cycles_left, const RankWork& work);
   /// Partitions and migrates. Collective.
   void move(Model& model, std::int64_t cycle);
 
@@ -40,7 +61,7 @@ class Balancer {
 
  private:
   std::vector<int> partition(const Model& model) const;
-  bool ask(const Model& model, const Step& step, double cycles_left);
+  bool ask(const Model& model, const Step& step, double cycles_left, const RankWork& work);
 
   const BalanceInput& input_;
   std::int64_t last_cycle_ = 0;

@@ -261,7 +261,7 @@ void Simulation::run() {
 /// Between the drift and the forces, when the old forces have done their work and nothing but state has to move.
 void Simulation::rebalance(const Step& step) {
   const double left = (input_.time.end - step.end()) / step.dt;
-  if (!balancer_.due(model_, step, left)) return;
+  if (!balancer_.due(model_, step, left, reduction_.work)) return;
   const auto scope = timers_.measure("rebalance");
   balancer_.move(model_, step.cycle);
   erosion_->rearranged();
@@ -347,6 +347,7 @@ void Simulation::reduce(const Step& step, ElementReport report) {
   mine.least_step = report.least_step;
   mine.least_id = report.least_id;
   mine.speeds = contact_speeds();
+  mine.work = RankWork::of(model_);
   for (const auto& c : contacts_)
     if (report.trouble.empty()) report.trouble = c->trouble();
   if (report.trouble.empty()) report.trouble = loads_.trouble();
@@ -484,6 +485,7 @@ void Simulation::resume(const Progress& p) {
   keeps_paces_ = true;
   balancer_.distribute(model_);
   erosion_->rearranged();
+  reduction_.work = RankWork::of_all(model_);
   balancer_.restore(p.last_rebalance, p.balance_policy);
   renumbered();
   load_ = load_on_owned(model_, p.contact_force);

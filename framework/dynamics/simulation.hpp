@@ -60,6 +60,8 @@ class Simulation {
   std::int64_t element_cycles() const { return element_cycles_; }
   const std::vector<std::unique_ptr<ContactEngine>>& contacts() const { return contacts_; }
   const std::vector<ErosionRecord>& eroded_now() const { return eroded_now_; }
+  /// What was agreed on before the last forces of contact, by definition.
+  const std::vector<ContactPlan>& contact_plans() const { return contact_plans_; }
   /// Whether any rank eroded an element in the last step.
   bool any_eroded() const;
   /// Books at the present time. Collective.

@@ -164,8 +164,8 @@ void BalanceInput::describe(Schema<BalanceInput>& s) {
   s.plugin(&BalanceInput::partitioner, "partitioner", "partitioner", "how elements are distributed over the ranks")
       .by_default("{type: zoltan_rcb}");
   s.plugin(&BalanceInput::contact_partitioner, "contact_partitioner", "partitioner",
-           "how space is divided between the ranks for contact; one that divides space, such as zoltan_rcb")
-      .by_default("{type: zoltan_rcb}");
+           "how space is divided between the ranks for contact; one that divides space, such as bisection or zoltan_rcb")
+      .by_default("{type: bisection}");
   s.plugin(&BalanceInput::policy, "policy", "balance_policy", "when the mesh is re-balanced during the run")
       .by_default("{type: threshold}");
   s.boolean(&BalanceInput::enabled, "enabled", "whether the policy is asked at all").by_default("true");

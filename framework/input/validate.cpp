@@ -250,7 +250,7 @@ class Validator {
     if (partitioner && !partitioner->spatial())
       diagnostics_.error(origins_.find("balance.contact_partitioner"),
                          fmt::format("{} does not divide space between ranks, as contact needs it; expected one that "
-                                     "does, such as zoltan_rcb",
+                                     "does, such as bisection or zoltan_rcb",
                                      partitioner->type));
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 #include "contact/impacts.hpp"
 #include "kerf/shape.hpp"
@@ -197,7 +198,8 @@ void BruteContact::predict(const std::map<std::int64_t, std::array<std::int64_t,
   }
 }
 
-std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Quanta& quanta) const {
+std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Quanta& quanta,
+                                                                         const ImpactPace& pace) const {
   std::vector<std::int64_t> force(4 * node_id_.size(), 0), friction = force,
                                                            shares(MassSplit::width * node_id_.size(), 0);
   ContactForces sink(force.data(), friction.data(), quanta.force);
@@ -206,12 +208,13 @@ std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Q
   law_.find_touches(seen, touches);
   const MassSplit split{shares.data(), quanta.mass};
   add_shares(seen, touches, split);
-  Impacts impacts(seen, touches, law_.response(), split);
+  std::vector<std::int32_t> all(node_id_.size());
+  std::iota(all.begin(), all.end(), 0);
+  Impacts impacts(seen, touches, law_.response(), split, all);
   struct OneRank final : ImpactExchange {
     std::function<const double*()> pushed;
     const double* velocities() override { return pushed(); }
     void add_up(std::vector<std::int64_t>&) override {}
-    double greatest(double value) override { return value; }
   } exchange;
   AlignedVector<double> velocity = velocity_;
   exchange.pushed = [&] {
@@ -220,7 +223,7 @@ std::map<std::int64_t, std::array<std::int64_t, 3>> BruteContact::forces(const Q
         velocity[i] = velocity_[i] + static_cast<double>(force[i]) * (quanta.force.quantum * kick_dt_ / mass_[i / 4]);
     return velocity.data();
   };
-  impacts.add_to(sink, exchange);
+  impacts.add_to(sink, exchange, pace);
   std::map<std::int64_t, std::array<std::int64_t, 3>> result;
   for (std::size_t n = 0; n < node_id_.size(); ++n)
     if (force[4 * n] != 0 || force[4 * n + 1] != 0 || force[4 * n + 2] != 0)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/impacts.hpp"
 #include "kerf/contact.hpp"
 #include "model/aligned.hpp"
 #include "model/step.hpp"
@@ -37,7 +38,7 @@ class BruteContact {
                const Step& next);
   /// Forces of contact on all nodes, in quanta, by node id; nodes without force are left out. To be called after
   /// `predict`.
-  std::map<std::int64_t, std::array<std::int64_t, 3>> forces(const Quanta& quanta) const;
+  std::map<std::int64_t, std::array<std::int64_t, 3>> forces(const Quanta& quanta, const ImpactPace& pace) const;
   /// All slaves that are inside elements of other parts, and of their own part where they share no node with the
   /// ring round them.
   std::vector<Intruder> intruders() const;

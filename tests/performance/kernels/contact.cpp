@@ -313,9 +313,10 @@ void contact_forces(benchmark::State& state) {
     ContactTouches touches;
     slabs.law().find_touches(v, touches);
     const MassSplit split{shares.data(), slabs.model().quanta.mass};
+    const std::vector<std::int32_t> none;
     add_shares(v, touches, split);
     ContactForces forces(force.data(), nullptr, slabs.model().quanta.force);
-    Impacts(v, touches, slabs.law().response(), split).add_round(velocity.data(), forces);
+    Impacts(v, touches, slabs.law().response(), split, none).add_round(velocity.data(), forces);
     n_pushed = touches.touches().size();
     if (forces.overflow_node() >= 0) state.SkipWithError("a contact force is beyond all bounds");
   }
