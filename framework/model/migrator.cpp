@@ -120,7 +120,7 @@ void number(Model& model, ModelBundle& bundle, const RecordIndex& index) {
       const auto e = static_cast<std::size_t>(order[slot]);
       std::int32_t nodes[Shape::most_nodes];
       for (int k = 0; k < store.n_nodes(); ++k) nodes[k] = touch(index(part.nodes[e][k]));
-      store.put(static_cast<int>(slot), part.ids[e], nodes, part.records.data() + e * store.record_size());
+      store.put(static_cast<int>(slot), part.ids[e], nodes, part.record(e, store.record_size()));
     }
     part = ElementBundle{};
   }
@@ -159,61 +159,117 @@ void assemble(Model& model, ModelBundle&& bundle) {
   model.surface.build(model.surface_mesh());
 }
 
-std::int64_t migrate(Model& model, const std::vector<int>& owners) {
-  const int n_ranks = model.n_ranks(), here = model.rank();
-  struct Header {
-    std::int64_t id;
-    ElementNodeIds nodes;
-    std::int64_t part;
-  };
-  std::vector<std::vector<Header>> headers(n_ranks);
-  std::vector<std::vector<double>> records(n_ranks);
-  std::vector<std::vector<NodeRecord>> nodes(n_ranks);
-  std::vector<std::vector<char>> taken(n_ranks);
-  for (auto& t : taken) t.assign(static_cast<std::size_t>(model.nodes.n()), 0);
-  std::int64_t n_left = 0;
+namespace {
+
+/// An element on its way, apart from its record.
+struct Header {
+  std::int64_t id = 0;
+  ElementNodeIds nodes{};
+  std::int64_t part = 0;
+};
+
+/// What goes to every rank, or has come from it.
+struct Cargo {
+  std::vector<std::vector<Header>> headers;
+  std::vector<std::vector<double>> records;
+  std::vector<std::vector<NodeRecord>> nodes;
+
+  explicit Cargo(std::size_t n_ranks) : headers(n_ranks), records(n_ranks), nodes(n_ranks) {}
+};
+
+/// Makes room for exactly what goes to each rank: at this time the model is in memory twice.
+void reserve(const Model& model, const std::vector<int>& owners, Cargo& cargo) {
+  std::vector<std::size_t> n_elements(cargo.headers.size(), 0), n_reals(cargo.headers.size(), 0);
+  std::size_t e = 0;
+  for (const PartModel& part : model.parts)
+    for (int s = 0; s < part.store->n_slots(); ++s) {
+      if (!part.store->live(s)) continue;
+      ++n_elements[owners[e]];
+      n_reals[owners[e++]] += static_cast<std::size_t>(part.store->record_size());
+    }
+  KERF_ASSERT(e == owners.size(), "one owner per live element");
+  for (std::size_t r = 0; r < cargo.headers.size(); ++r) {
+    cargo.headers[r].reserve(n_elements[r]);
+    cargo.records[r].reserve(n_reals[r]);
+  }
+}
+
+void load_elements(const Model& model, const std::vector<int>& owners, Cargo& cargo) {
+  reserve(model, owners, cargo);
   std::size_t e = 0;
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
-    PartStore& store = *model.parts[p].store;
+    const PartStore& store = *model.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
       const int to = owners[e++];
-      n_left += to != here ? 1 : 0;
       Header h{store.id(s), {}, static_cast<std::int64_t>(p)};
-      for (int k = 0; k < store.n_nodes(); ++k) {
-        const std::int32_t n = store.node(s, k);
-        h.nodes[k] = model.nodes.id[n];
-        if (!taken[to][n]) nodes[to].push_back(model.nodes.record(n));
-        taken[to][n] = 1;
-      }
-      headers[to].push_back(h);
-      const std::size_t at = records[to].size();
-      records[to].resize(at + store.record_size());
-      store.pack(s, records[to].data() + at);
+      for (int k = 0; k < store.n_nodes(); ++k) h.nodes[k] = model.nodes.id[store.node(s, k)];
+      cargo.headers[to].push_back(h);
+      std::vector<double>& records = cargo.records[to];
+      records.resize(records.size() + static_cast<std::size_t>(store.record_size()));
+      store.pack(s, records.data() + records.size() - store.record_size());
     }
   }
-  KERF_ASSERT(e == owners.size(), "one owner per live element");
-  for (int i = 0; i < model.nodes.n(); ++i)
-    if (model.nodes.free[i] && model.nodes.owned[i]) nodes[here].push_back(model.nodes.record(i));
+}
+
+/// The nodes of the elements that go to each rank, each of them once, and free nodes, which stay.
+void load_nodes(const Model& model, Cargo& cargo) {
+  std::vector<std::int32_t> taken_for(static_cast<std::size_t>(model.nodes.n()), -1);
+  std::vector<std::int32_t> list;
+  for (std::size_t r = 0; r < cargo.headers.size(); ++r) {
+    list.clear();
+    for (const Header& h : cargo.headers[r])
+      for (int k = 0; k < model.parts[h.part].store->n_nodes(); ++k) {
+        const std::int32_t n = model.local_node(h.nodes[k]);
+        if (taken_for[n] == static_cast<std::int32_t>(r)) continue;
+        taken_for[n] = static_cast<std::int32_t>(r);
+        list.push_back(n);
+      }
+    if (static_cast<int>(r) == model.rank())
+      for (int i = 0; i < model.nodes.n(); ++i)
+        if (model.nodes.free[i] && model.nodes.owned[i]) list.push_back(i);
+    cargo.nodes[r].reserve(list.size());
+    for (const std::int32_t n : list) cargo.nodes[r].push_back(model.nodes.record(n));
+  }
+}
+
+/// Gives the memory of everything that is on its way back.
+void empty(Model& model) {
+  for (PartModel& part : model.parts) part.store->release();
+  model.nodes = NodeStore{};
+  model.surface = Surface{};
+  model.ghost_plan.reset();
+  model.index_nodes();
+}
+
+}  // namespace
+
+std::int64_t migrate(Model& model, const std::vector<int>& owners) {
+  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
+  const std::int64_t n_left = std::count_if(owners.begin(), owners.end(), [&](int r) { return r != model.rank(); });
+  Cargo cargo(n_ranks);
+  load_elements(model, owners, cargo);
+  load_nodes(model, cargo);
+  empty(model);
 
   ModelBundle bundle;
   bundle.parts.resize(model.parts.size());
-  const auto new_headers = all_to_all(model.comm, headers);
-  headers.clear();
-  const auto new_records = all_to_all(model.comm, records);
-  records.clear();
-  for (const auto& list : all_to_all(model.comm, nodes))
+  std::vector<std::vector<Header>> headers = all_to_all(model.comm, std::move(cargo.headers));
+  bundle.messages = all_to_all(model.comm, std::move(cargo.records));
+  for (auto& list : all_to_all(model.comm, std::move(cargo.nodes))) {
     bundle.nodes.insert(bundle.nodes.end(), list.begin(), list.end());
-  for (int r = 0; r < n_ranks; ++r) {
-    const double* data = new_records[r].data();
-    for (const Header& h : new_headers[r]) {
+    list = {};
+  }
+  for (std::size_t r = 0; r < n_ranks; ++r) {
+    const double* record = bundle.messages[r].data();
+    for (const Header& h : headers[r]) {
       ElementBundle& part = bundle.parts[h.part];
       part.ids.push_back(h.id);
       part.nodes.push_back(h.nodes);
-      const int size = model.parts[h.part].store->record_size();
-      part.records.insert(part.records.end(), data, data + size);
-      data += size;
+      part.record_at.push_back(record);
+      record += model.parts[h.part].store->record_size();
     }
+    headers[r] = {};
   }
   assemble(model, std::move(bundle));
   return n_left;

@@ -12,16 +12,22 @@
 
 namespace kerf {
 
-/// Elements of one part on their way: ids, global nodes, and their records one after the other.
+/// Elements of one part on their way: ids, global nodes, and their records.
 struct ElementBundle {
   std::vector<std::int64_t> ids;
   std::vector<ElementNodeIds> nodes;
-  std::vector<double> records;
+  std::vector<double> records;  // one after the other; empty where they are elsewhere
+  std::vector<const double*> record_at;  // where each record is, if not in `records`
+
+  const double* record(std::size_t element, int size) const {
+    return record_at.empty() ? records.data() + element * static_cast<std::size_t>(size) : record_at[element];
+  }
 };
 
 struct ModelBundle {
   std::vector<ElementBundle> parts;
   std::vector<NodeRecord> nodes;  // may hold a node more than once, with the same content
+  std::vector<std::vector<double>> messages;  // that `record_at` points into
 };
 
 /// Orders and numbers a bundle (elements along a space-filling curve, nodes by first use), agrees on owners and

@@ -99,6 +99,16 @@ void PartStore::make_room(int n_elements) {
   n_live_ = n_slots_;
 }
 
+void PartStore::release() {
+  make_room(0);
+  for (Field& f : fields_) {
+    f.data.shrink_to_fit();
+    f.single_data.shrink_to_fit();
+  }
+  nodes_.shrink_to_fit();
+  ids_.shrink_to_fit();
+}
+
 void PartStore::put(int slot, std::int64_t id, const std::int32_t* nodes, const double* record) {
   ++arrangement_;
   ids_[slot] = id;

@@ -115,6 +115,8 @@ class PartStore {
 
   /// Forgets all elements and makes room for new ones, which have to be put into slots 0 .. n - 1.
   void make_room(int n_elements);
+  /// Forgets all elements and gives the memory of their values back.
+  void release();
   /// Puts an element into a slot: its id, its n_nodes() local nodes, and its record.
   void put(int slot, std::int64_t id, const std::int32_t* nodes, const double* record);
   /// Fills the record of a fresh element of the given mass [kg].

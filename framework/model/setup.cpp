@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <map>
 
 #include "core/assert.hpp"
@@ -105,6 +106,20 @@ void weigh_element(const PartModel& part, std::size_t p, const CellCorners& x, d
   }
 }
 
+/// Least and greatest number of a node of the elements [first, last) of a mesh: a rank has room for its share only.
+std::pair<std::int64_t, std::int64_t> range_of_nodes(const MeshGenerator& mesh, int n_nodes, std::int64_t first,
+                                                     std::int64_t last) {
+  std::pair<std::int64_t, std::int64_t> range{std::numeric_limits<std::int64_t>::max(), -1};
+  for (std::int64_t e = first; e < last; ++e) {
+    const auto corners = mesh.element(e);
+    for (int k = 0; k < n_nodes; ++k) {
+      range.first = std::min(range.first, static_cast<std::int64_t>(corners[k]));
+      range.second = std::max(range.second, static_cast<std::int64_t>(corners[k]));
+    }
+  }
+  return range;
+}
+
 /// Elements [first, last) of a part, counted within the part.
 void generate_part(const Model& model, std::size_t p, std::int64_t first, std::int64_t last, ModelBundle& bundle,
                    MeshFacts& facts) {
@@ -121,7 +136,8 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
   // As many as the elements' share of the part, and some more on the cut to the next rank.
   const double share = static_cast<double>(n) / static_cast<double>(mesh.n_elements());
   bundle.nodes.reserve(bundle.nodes.size() + static_cast<std::size_t>(1.05 * share * mesh.n_nodes()) + 64);
-  std::vector<char> seen(static_cast<std::size_t>(mesh.n_nodes()), 0);
+  const auto [lowest, highest] = range_of_nodes(mesh, part.store->n_nodes(), first, last);
+  std::vector<char> seen(static_cast<std::size_t>(highest - lowest + 1), 0);
   for (std::int64_t e = first; e < last; ++e) {
     const auto corners = mesh.element(e);
     CellCorners x;
@@ -129,8 +145,9 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
     for (int k = 0; k < part.store->n_nodes(); ++k) {
       x[k] = placement.apply(mesh.node(corners[k]));
       ids[k] = part.first_node + corners[k];
-      if (seen[corners[k]] != 0) continue;
-      seen[corners[k]] = 1;
+      char& is_seen = seen[static_cast<std::size_t>(corners[k] - lowest)];
+      if (is_seen != 0) continue;
+      is_seen = 1;
       NodeRecord r;
       r.id = ids[k];
       r.part = static_cast<std::int32_t>(p);

@@ -4,7 +4,6 @@
 #include <mpi.h>
 
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -76,11 +75,10 @@ std::vector<std::vector<T>> all_to_all(MPI_Comm comm, std::vector<std::vector<T>
   const ItemType<T> item;
   std::vector<std::vector<T>> incoming(static_cast<std::size_t>(n));
   incoming[here] = std::move(outgoing[here]);
-  for (IncomingMessage& m : exchange_sparsely(comm, item, sizeof(T), messages)) {
-    incoming[m.rank].resize(m.bytes.size() / sizeof(T));
-    std::memcpy(static_cast<void*>(incoming[m.rank].data()), m.bytes.data(), m.bytes.size());
-    m.bytes = {};
-  }
+  exchange_sparsely(comm, item, messages, [&incoming](int rank, std::size_t n_items) {
+    incoming[static_cast<std::size_t>(rank)].resize(n_items);
+    return static_cast<void*>(incoming[static_cast<std::size_t>(rank)].data());
+  });
   return incoming;
 }
 

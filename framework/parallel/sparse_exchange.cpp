@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "core/waiting.hpp"
 #include "parallel/communicator.hpp"
@@ -47,7 +48,7 @@ int count_of(std::size_t n_items) {
 }
 
 /// Receives a message of a tag if one has arrived.
-bool receive(MPI_Comm comm, int tag, MPI_Datatype item, std::size_t item_size, std::vector<IncomingMessage>& incoming) {
+bool receive(MPI_Comm comm, int tag, MPI_Datatype item, const MessagePlace& place) {
   int arrived = 0;
   MPI_Message message = MPI_MESSAGE_NULL;
   MPI_Status status;
@@ -55,35 +56,25 @@ bool receive(MPI_Comm comm, int tag, MPI_Datatype item, std::size_t item_size, s
   if (arrived == 0) return false;
   int n = 0;
   MPI_Get_count(&status, item, &n);
-  IncomingMessage& m = incoming.emplace_back();
-  m.rank = status.MPI_SOURCE;
-  m.bytes.resize(static_cast<std::size_t>(n) * item_size);
-  MPI_Mrecv(m.bytes.data(), n, item, &message, MPI_STATUS_IGNORE);
+  MPI_Mrecv(place(status.MPI_SOURCE, static_cast<std::size_t>(n)), n, item, &message, MPI_STATUS_IGNORE);
   return true;
 }
 
 }  // namespace
 
-std::vector<IncomingMessage> exchange_sparsely(MPI_Comm comm, MPI_Datatype item, std::size_t item_size,
-                                               const std::vector<OutgoingMessage>& outgoing) {
+void exchange_sparsely(MPI_Comm comm, MPI_Datatype item, const std::vector<OutgoingMessage>& outgoing,
+                       const MessagePlace& place) {
   const Waiting waiting;
-  const int here = rank_of(comm);
-  std::vector<IncomingMessage> incoming;
   std::vector<MPI_Request> sends;
   const int tag = next_tag(comm);
   for (const OutgoingMessage& m : outgoing) {
-    if (m.rank == here) {
-      const char* data = static_cast<const char*>(m.data);
-      incoming.push_back({here, {data, data + m.n_items * item_size}});
-      continue;
-    }
     sends.emplace_back();
     // Synchronous: it is complete when its receiver has taken it.
     MPI_Issend(m.data, count_of(m.n_items), item, m.rank, tag, comm, &sends.back());
   }
   MPI_Request barrier = MPI_REQUEST_NULL;
   for (int done = 0, all_taken = 0; done == 0;) {
-    while (receive(comm, tag, item, item_size, incoming)) {
+    while (receive(comm, tag, item, place)) {
     }
     if (all_taken != 0) {
       MPI_Test(&barrier, &done, MPI_STATUS_IGNORE);
@@ -92,8 +83,6 @@ std::vector<IncomingMessage> exchange_sparsely(MPI_Comm comm, MPI_Datatype item,
     MPI_Testall(static_cast<int>(sends.size()), sends.data(), &all_taken, MPI_STATUSES_IGNORE);
     if (all_taken != 0) MPI_Ibarrier(comm, &barrier);
   }
-  std::sort(incoming.begin(), incoming.end(), [](const auto& a, const auto& b) { return a.rank < b.rank; });
-  return incoming;
 }
 
 std::vector<int> SparseExchange::receivers() const {
@@ -104,51 +93,55 @@ std::vector<int> SparseExchange::receivers() const {
 
 std::vector<int> SparseExchange::senders() const {
   std::vector<int> ranks;
-  for (const IncomingMessage& m : messages_) ranks.push_back(m.rank);
+  for (const auto& [rank, words] : messages_) ranks.push_back(rank);
   return ranks;
 }
 
-/// Messages to the ranks of outgoing_, in their order: the length of each list in bytes, and the lists, filled up to
-/// whole words.
-std::vector<std::vector<std::int64_t>> SparseExchange::pack() {
-  std::vector<std::vector<std::int64_t>> packed;
+/// Messages by rank: the length of each list in bytes, and the lists, filled up to whole words.
+std::map<int, std::vector<std::int64_t>> SparseExchange::pack() {
+  std::map<int, std::vector<std::int64_t>> packed;
   for (const auto& [rank, lists] : outgoing_) {
     std::size_t n_bytes = 0;
     for (const auto& list : lists) n_bytes += list.size();
-    std::vector<std::int64_t>& words = packed.emplace_back(n_lists_ + (n_bytes + word - 1) / word, 0);
+    std::vector<std::int64_t>& words = packed[rank];
+    words.assign(n_lists_ + (n_bytes + word - 1) / word, 0);
     char* at = reinterpret_cast<char*>(words.data() + n_lists_);
     for (std::size_t k = 0; k < n_lists_; ++k) {
       words[k] = static_cast<std::int64_t>(lists[k].size());
       at = std::copy(lists[k].begin(), lists[k].end(), at);
     }
   }
+  outgoing_.clear();
   return packed;
 }
 
 void SparseExchange::unpack() {
-  outgoing_.clear();
   incoming_.clear();
-  for (const IncomingMessage& m : messages_) {
-    auto& lists = incoming_.emplace_back(m.rank, std::vector<std::span<const char>>{}).second;
-    const char* at = m.bytes.data() + n_lists_ * word;
+  for (const auto& [rank, words] : messages_) {
+    auto& lists = incoming_.emplace_back(rank, std::vector<std::span<const char>>{}).second;
+    const char* at = reinterpret_cast<const char*>(words.data() + n_lists_);
     for (std::size_t k = 0; k < n_lists_; ++k) {
-      std::int64_t n_bytes = 0;
-      std::memcpy(&n_bytes, m.bytes.data() + k * word, word);
-      lists.emplace_back(at, static_cast<std::size_t>(n_bytes));
-      at += n_bytes;
+      lists.emplace_back(at, static_cast<std::size_t>(words[k]));
+      at += words[k];
     }
   }
 }
 
 void SparseExchange::deliver() {
-  const std::vector<std::vector<std::int64_t>> packed = pack();
+  const int here = rank_of(comm_);
+  std::map<int, std::vector<std::int64_t>> packed = pack();
+  messages_.clear();
   std::vector<OutgoingMessage> out;
-  auto words = packed.begin();
-  for (const auto& [rank, lists] : outgoing_) {
-    out.push_back({rank, words->data(), words->size()});
-    ++words;
+  for (auto& [rank, words] : packed) {
+    if (rank == here)
+      messages_[here] = std::move(words);
+    else
+      out.push_back({rank, words.data(), words.size()});
   }
-  messages_ = exchange_sparsely(comm_, MPI_INT64_T, word, out);
+  exchange_sparsely(comm_, MPI_INT64_T, out, [this](int rank, std::size_t n) {
+    messages_[rank].resize(n);
+    return messages_[rank].data();
+  });
   unpack();
 }
 
@@ -156,21 +149,18 @@ void SparseExchange::deliver_among(const std::set<int>& to, const std::set<int>&
   const int here = rank_of(comm_);
   for (const int rank : to)
     if (rank != here) outgoing_[rank].resize(n_lists_);
-  const std::vector<std::vector<std::int64_t>> packed = pack();
+  std::map<int, std::vector<std::int64_t>> packed = pack();
   messages_.clear();
   std::vector<MPI_Request> sends;
   const Waiting waiting;
-  auto words = packed.begin();
-  for (const auto& [rank, lists] : outgoing_) {
+  for (auto& [rank, words] : packed) {
     if (rank == here) {
-      const char* data = reinterpret_cast<const char*>(words->data());
-      messages_.push_back({here, {data, data + words->size() * word}});
-    } else {
-      if (!to.contains(rank)) throw std::logic_error("a message to a rank that does not expect any");
-      sends.emplace_back();
-      MPI_Isend(words->data(), count_of(words->size()), MPI_INT64_T, rank, known_tag, comm_, &sends.back());
+      messages_[here] = std::move(words);
+      continue;
     }
-    ++words;
+    if (!to.contains(rank)) throw std::logic_error("a message to a rank that does not expect any");
+    sends.emplace_back();
+    MPI_Isend(words.data(), count_of(words.size()), MPI_INT64_T, rank, known_tag, comm_, &sends.back());
   }
   for (const int rank : from) {
     if (rank == here) continue;
@@ -179,13 +169,10 @@ void SparseExchange::deliver_among(const std::set<int>& to, const std::set<int>&
     MPI_Mprobe(rank, known_tag, comm_, &message, &status);
     int n = 0;
     MPI_Get_count(&status, MPI_INT64_T, &n);
-    IncomingMessage& m = messages_.emplace_back();
-    m.rank = rank;
-    m.bytes.resize(static_cast<std::size_t>(n) * word);
-    MPI_Mrecv(m.bytes.data(), n, MPI_INT64_T, &message, MPI_STATUS_IGNORE);
+    messages_[rank].resize(static_cast<std::size_t>(n));
+    MPI_Mrecv(messages_[rank].data(), n, MPI_INT64_T, &message, MPI_STATUS_IGNORE);
   }
   MPI_Waitall(static_cast<int>(sends.size()), sends.data(), MPI_STATUSES_IGNORE);
-  std::sort(messages_.begin(), messages_.end(), [](const auto& a, const auto& b) { return a.rank < b.rank; });
   unpack();
 }
 

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -24,15 +25,13 @@ struct OutgoingMessage {
   const void* data = nullptr;
   std::size_t n_items = 0;
 };
-struct IncomingMessage {
-  int rank = 0;  // that has sent it
-  std::vector<char> bytes;
-};
+/// Gives the place for `n_items` items from a rank, which stays where it is until the exchange is over.
+using MessagePlace = std::function<void*(int rank, std::size_t n_items)>;
 
-/// Sends every message, and returns those for this rank in the order of the ranks that have sent them. At most one
-/// message per rank; a rank may write to itself. `item` is a datatype of `item_size` bytes. Collective.
-std::vector<IncomingMessage> exchange_sparsely(MPI_Comm comm, MPI_Datatype item, std::size_t item_size,
-                                               const std::vector<OutgoingMessage>& outgoing);
+/// Sends every message and puts those for this rank where `place` says, in any order. At most one message per rank;
+/// none to the rank itself. `item` is a datatype. Collective.
+void exchange_sparsely(MPI_Comm comm, MPI_Datatype item, const std::vector<OutgoingMessage>& outgoing,
+                       const MessagePlace& place);
 
 /// Several lists of items for several ranks, in one message to each.
 class SparseExchange {
@@ -78,13 +77,13 @@ class SparseExchange {
   }
 
  private:
-  std::vector<std::vector<std::int64_t>> pack();
+  std::map<int, std::vector<std::int64_t>> pack();
   void unpack();
 
   MPI_Comm comm_;
   std::size_t n_lists_;
   std::map<int, std::vector<std::vector<char>>> outgoing_;  // by rank and list
-  std::vector<IncomingMessage> messages_;
+  std::map<int, std::vector<std::int64_t>> messages_;  // by rank that has sent them
   std::vector<std::pair<int, std::vector<std::span<const char>>>> incoming_;  // rank; lists in messages_
 };
 
