@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/memory.hpp"
 #include "core/physics_error.hpp"
 #include "model/migrator.hpp"
 #include "parallel/communicator.hpp"
@@ -129,6 +130,7 @@ std::vector<int> Balancer::partition(const Model& model) const {
 
 void Balancer::move(Model& model, std::int64_t cycle) {
   if (model.n_ranks() == 1) return;
+  const ReturnedBlocks returned;
   const auto start = std::chrono::steady_clock::now();
   BalanceMove r;
   r.cycle = cycle;

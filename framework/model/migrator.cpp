@@ -233,12 +233,14 @@ void load_nodes(const Model& model, Cargo& cargo) {
   }
 }
 
-/// Gives the memory of everything that is on its way back.
-void empty(Model& model) {
-  for (PartModel& part : model.parts) part.store->release();
-  model.nodes = NodeStore{};
+/// Fills the cargo, and gives the memory of what is in it back as early as may be: this is when most memory is needed.
+void load(Model& model, const std::vector<int>& owners, Cargo& cargo) {
   model.surface = Surface{};
   model.ghost_plan.reset();
+  load_elements(model, owners, cargo);
+  for (PartModel& part : model.parts) part.store->release();
+  load_nodes(model, cargo);
+  model.nodes = NodeStore{};
   model.index_nodes();
 }
 
@@ -248,9 +250,7 @@ std::int64_t migrate(Model& model, const std::vector<int>& owners) {
   const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
   const std::int64_t n_left = std::count_if(owners.begin(), owners.end(), [&](int r) { return r != model.rank(); });
   Cargo cargo(n_ranks);
-  load_elements(model, owners, cargo);
-  load_nodes(model, cargo);
-  empty(model);
+  load(model, owners, cargo);
 
   ModelBundle bundle;
   bundle.parts.resize(model.parts.size());

@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 #include <map>
+#include <utility>
 
 #include "core/assert.hpp"
 #include "core/diagnostics.hpp"
 #include "core/fixed_sum.hpp"
+#include "core/memory.hpp"
 #include "input/node_choice.hpp"
 #include "mesh/quality.hpp"
 #include "model/arrival.hpp"
@@ -420,6 +421,7 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
 }
 
 void generate_mesh(Model& model) {
+  const ReturnedBlocks returned;
   const std::int64_t n = model.n_elements, r = model.rank(), n_ranks = model.n_ranks();
   const std::int64_t first = n / n_ranks * r + std::min(r, n % n_ranks);
   const std::int64_t last = first + n / n_ranks + (r < n % n_ranks ? 1 : 0);
