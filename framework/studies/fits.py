@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,7 +52,7 @@ def start_of_fit(striking, residual, a, p) -> tuple[float, float]:
 def fit_ballistic_limit(striking, residual, p: float | None = 2.0, a: float | None = None,
                         confidence: float = 0.95) -> BallisticLimit:
     """Least squares over the residual speeds of the perforating points. `None` makes p or a free. Throws Refused."""
-    from scipy.optimize import curve_fit
+    from scipy.optimize import OptimizeWarning, curve_fit
 
     striking, residual = np.asarray(striking, dtype=float), np.asarray(residual, dtype=float)
     through = residual > 0.0
@@ -72,11 +73,13 @@ def fit_ballistic_limit(striking, residual, p: float | None = 2.0, a: float | No
         found = dict(zip(unknowns, values))
         return lambert_jonas(speed, found.get("a", a), found["limit"], found.get("p", p))
 
+    scales = {"limit": most, "a": 1.0, "p": 1.0}
     try:
-        best, covariance = curve_fit(model, v, r, [start[n] for n in unknowns],
-                                     bounds=tuple(zip(*(bounds[n] for n in unknowns))), x_scale=[
-                                         {"limit": most, "a": 1.0, "p": 1.0}[n] for n in unknowns],
-                                     xtol=1e-14, ftol=1e-14, gtol=1e-14, max_nfev=20000)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", OptimizeWarning)  # no covariance: no interval is given then
+            best, covariance = curve_fit(model, v, r, [start[n] for n in unknowns], x_scale=[scales[n] for n in unknowns],
+                                         bounds=tuple(zip(*(bounds[n] for n in unknowns))),
+                                         xtol=1e-14, ftol=1e-14, gtol=1e-14, max_nfev=20000)
     except RuntimeError as error:
         raise Refused(f"the fit does not converge ({error}); expected points that follow the relation") from error
     return ballistic_answer(dict(zip(unknowns, best)), covariance, unknowns, bounds, (striking, residual), a, p,

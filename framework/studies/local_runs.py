@@ -79,7 +79,7 @@ class Runner:
                 signal.signal(number, handler)
 
     def _loop(self, waiting: list[PointFolder]) -> bool:
-        total, told, running = len(waiting), 0, []
+        total, n_ended, told, running = len(waiting), 0, 0, []
         while running or (waiting and not self.signals):
             while waiting and len(running) < self.jobs and not self.signals:
                 running.append(Run(waiting.pop(0), self.binary, self.ranks))
@@ -91,7 +91,8 @@ class Runner:
             ended = [run for run in running if run.ended()]
             running = [run for run in running if run not in ended]
             for run in ended:
-                self._tell(run, total - len(waiting) - len(running), total)
+                n_ended += 1
+                self._tell(run, n_ended, total)
             if not ended:
                 time.sleep(0.05)
         return self.signals == 0

@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from marked_yaml import Complaints, child, is_list, is_map, is_scalar, keys_of, nearest, read_marked, text_of
-from quantities import components
+from quantities import components, vector_text
 
 PATH = re.compile(r"[A-Za-z_]\w*(?:\.\w+|\[\d+\])*")
 
@@ -73,11 +73,12 @@ class ModelInput:
         """(path, text) with one component of a vector replaced. `steps` ends with the position."""
         path = ".".join(steps[:-1])
         _, text = self.text_at(steps[:-1], settings)
+        single = steps[0] == "parameters"  # named values are no lists
         parts = components(text)
         if parts is None or int(steps[-1]) >= len(parts):
             raise PathError(f"{path} is {text}, and has no component [{steps[-1]}]; expected a vector of numbers")
         parts[int(steps[-1])] = component
-        return path, "[" + ", ".join(parts) + "]"
+        return path, vector_text(parts, single)
 
     def files(self, texts: list[str], plugins: list[str]) -> list[Path]:
         """All files that the input, or one of the texts, names: curves, meshes, plugins, and the user's own material

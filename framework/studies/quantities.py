@@ -52,7 +52,21 @@ def components(text: str) -> list[str] | None:
     return None
 
 
-def scaled(text: str, factor: float, whole: bool) -> str | None:
+def vector_text(parts: list[str], single: bool) -> str:
+    """The text of a vector: "[0, 1] mm" where all components share a unit. With `single`, for a place that takes no
+    list in YAML: "0 1"."""
+    values = [value_of(part) for part in parts]
+    units = {value.unit for value in values if value.unit or value.number != 0.0}
+    if len(units) > 1 or any(value.number is None for value in values):
+        return "[" + ", ".join(parts) + "]"
+    unit = units.pop() if units else ""
+    numbers = [part.removesuffix(value.unit).strip() for part, value in zip(parts, values)]
+    if unit:
+        return "[" + ", ".join(numbers) + f"] {unit}"
+    return " ".join(numbers) if single else "[" + ", ".join(numbers) + "]"
+
+
+def scaled(text: str, factor: float, whole: bool, single: bool = False) -> str | None:
     """All numbers of a value times a factor, units kept. None where it is no number or vector of numbers, or where
     whole numbers are asked for and the products are not whole."""
     parts = components(text) or [text]
@@ -65,4 +79,4 @@ def scaled(text: str, factor: float, whole: bool) -> str | None:
         if whole and (abs(product - round(product)) > 1e-9 * abs(product) or round(product) < 1):
             return None
         made.append(with_unit(round(product) if whole else product, value.unit).text)
-    return made[0] if len(parts) == 1 and components(text) is None else "[" + ", ".join(made) + "]"
+    return made[0] if components(text) is None else vector_text(made, single)

@@ -75,7 +75,18 @@ class Study:
             else:
                 for path in parameter.paths:
                     put(self.input, parameter, path, value, settings)
+        refuse_overlaps(settings)
         return settings
+
+
+def refuse_overlaps(settings: dict[str, str]) -> None:
+    """Throws PathError where one setting is inside of another: which of the two counts would depend on their order."""
+    for inner in settings:
+        steps = inner.split(".")
+        for n in range(1, len(steps)):
+            if ".".join(steps[:n]) in settings:
+                raise PathError(f"{inner} and {'.'.join(steps[:n])} are both set, and one is inside of the other; "
+                                "expected each value to be set once")
 
 
 def put(model: ModelInput, parameter: Parameter, path: str, value: Value, settings: dict[str, str]) -> None:
@@ -101,7 +112,7 @@ def refine(model: ModelInput, parameter: Parameter, factor: float, settings: dic
         if key in done:
             continue
         done.add(key)
-        made = scaled(text, power, whole)
+        made = scaled(text, power, whole, single=key.startswith("parameters."))
         if made is None:
             wanted = "whole numbers of cells" if whole else "a size of cells"
             raise PathError(f"{path} is {text}, and {factor:g} times as fine it is no longer {wanted}; expected "
