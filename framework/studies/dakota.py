@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from marked_yaml import NUMBER, StudyError, nearest
+from marked_yaml import NUMBER, StudyError, nearest, quoted_where_needed
 from model_input import PathError
 from point_folder import write_whole
 from quantities import Value, with_unit
@@ -54,13 +54,14 @@ def read_request(file: Path) -> Request:
     counts = {tag: int(value) for tag, value in pairs if tag in COUNTS.values() and value.isdigit()}
     tags = [tag for tag, _ in pairs]
     if "DAKOTA_VARS" not in counts or "DAKOTA_FNS" not in counts:
-        raise StudyError(f"{file}: error: the numbers of variables and functions are missing; expected a parameters file "
-                         "of Dakota, in standard or APREPRO format")
+        raise StudyError(f"{file}: error: the numbers of variables and functions are missing; expected a parameters "
+                         "file of Dakota, in standard or APREPRO format")
     first = tags.index("DAKOTA_VARS") + 1
     variables = dict(pairs[first:first + counts["DAKOTA_VARS"]])
     asked = [(tag.partition(":")[2], value) for tag, value in pairs if re.match(r"ASV_\d+:", tag)]
-    if len(variables) != counts["DAKOTA_VARS"] or len(asked) != counts["DAKOTA_FNS"]:
-        raise StudyError(f"{file}: error: there are {len(variables)} variables and {len(asked)} functions, but "
+    if tags.index("DAKOTA_FNS") != first + counts["DAKOTA_VARS"] or len(asked) != counts["DAKOTA_FNS"]:
+        n_variables = tags.index("DAKOTA_FNS") - first
+        raise StudyError(f"{file}: error: there are {n_variables} variables and {len(asked)} functions, but "
                          f"{counts['DAKOTA_VARS']} and {counts['DAKOTA_FNS']} are promised; expected a whole file")
     if not all(value.isdigit() for _, value in asked):
         raise StudyError(f"{file}: error: an entry of the active set is no whole number; expected 0 to 7")
@@ -84,15 +85,19 @@ def point_of(request: Request, study: Study, file: Path) -> Point:
                               "because Kerf computes values only")
     if complaints:
         raise StudyError(*(f"{file}: error: {text}" for text in complaints))
-    values = {name: variable(text, study.parameters[name]) for name, text in request.variables.items()}
     try:
+        values = {name: variable(text, study.parameters[name]) for name, text in request.variables.items()}
         return Point(values, study.settings_of(values))
-    except (PathError, TypeError) as error:
+    except PathError as error:
         raise StudyError(f"{file}: error: {error}") from error
 
 
 def variable(text: str, parameter) -> Value:
-    return with_unit(float(text), parameter.unit) if NUMBER.fullmatch(text) else Value(text)
+    if NUMBER.fullmatch(text):
+        return with_unit(float(text), parameter.unit)
+    if parameter.unit or parameter.factor != 1.0:
+        raise PathError(f"`{text}` is no number; expected a number for `{parameter.name}`")
+    return Value(quoted_where_needed(text, False))
 
 
 def write_results(file: Path, request: Request, results: dict[str, float]) -> None:

@@ -143,7 +143,8 @@ class Drawing:
                 continue
             finest = triplets[0]
             if finest.extrapolated is not None:
-                axes.plot([0.0], [finest.extrapolated], "x", color=colour, label=f"order {finest.order:.3g}, extrapolated")
+                axes.plot([0.0], [finest.extrapolated], "x", color=colour,
+                          label=f"order {finest.order:.3g}, extrapolated")
             self._tell(plot, group, {"triplets": [asdict(triplet) for triplet in triplets]}, finest.sentence()
                        + "".join(f"; the meshes before: {triplet.sentence()}" for triplet in triplets[1:]))
         axes.set_xlim(left=0.0)
@@ -163,7 +164,8 @@ class Drawing:
                               label=plain(label) or None)
         if not axes.has_data():
             self.refused = True
-            self.notes.append(f"{plot.name}: no point has numbers for {o['x']} and {', '.join(o['y'])}; nothing is drawn")
+            self.notes.append(f"{plot.name}: no point has numbers for {o['x']} and {', '.join(o['y'])}; nothing is "
+                              "drawn")
         axes.set_xscale(o["x_scale"])
         axes.set_yscale(o["y_scale"])
         axes.set_xlabel(self._label(o["x"]))

@@ -77,7 +77,8 @@ def fit_ballistic_limit(striking, residual, p: float | None = 2.0, a: float | No
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", OptimizeWarning)  # no covariance: no interval is given then
-            best, covariance = curve_fit(model, v, r, [start[n] for n in unknowns], x_scale=[scales[n] for n in unknowns],
+            best, covariance = curve_fit(model, v, r, [start[n] for n in unknowns],
+                                         x_scale=[scales[n] for n in unknowns],
                                          bounds=tuple(zip(*(bounds[n] for n in unknowns))),
                                          xtol=1e-14, ftol=1e-14, gtol=1e-14, max_nfev=20000)
     except RuntimeError as error:
@@ -95,7 +96,8 @@ def ballistic_answer(found, covariance, unknowns, bounds, points, a, p, confiden
     notes, intervals = [], {}
     at_bounds = [n for n in unknowns if min(abs(found[n] - b) for b in bounds[n]) <= 1e-6 * max(1.0, abs(found[n]))]
     if at_bounds:
-        notes.append(f"{', '.join(at_bounds)} ended at the bound of what was searched: these points do not determine it")
+        notes.append(f"{', '.join(at_bounds)} ended at the bound of what was searched: these points do not "
+                     "determine it")
     for i, name in enumerate(unknowns):
         width = math.sqrt(covariance[i][i]) * t.ppf(0.5 + confidence / 2.0, free) if free > 0 else math.inf
         known = free > 0 and math.isfinite(width) and not at_bounds
@@ -130,8 +132,8 @@ class Triplet:
 
     def sentence(self) -> str:
         if self.behaviour == "monotone":
-            return (f"monotone: observed order {self.order:.3g}, extrapolated {self.extrapolated:.6g}, grid convergence "
-                    f"index {100.0 * self.index_fine:.3g} % (finest mesh), {100.0 * self.index_middle:.3g} % (next)")
+            return (f"monotone: observed order {self.order:.3g}, extrapolated {self.extrapolated:.6g}, grid "
+                    f"convergence index {100.0 * self.index_fine:.3g} % (finest mesh), {100.0 * self.index_middle:.3g} % (next)")
         return {"oscillating": "not monotone: the results go up and down as the cells get smaller; no order is given",
                 "diverging": "not converging: the differences do not shrink with the cells; no order is given",
                 "unchanged": "the results of two meshes are the same number; no order is given"}[self.behaviour]

@@ -34,8 +34,8 @@ class Complaints:
         mark = node.start_mark
         self._found.append((mark.line + 1, mark.column + 1, text))
 
-    def __bool__(self) -> bool:
-        return bool(self._found)
+    def __len__(self) -> int:
+        return len(self._found)
 
     def lines(self) -> list[str]:
         ordered = sorted(dict.fromkeys(self._found))

@@ -22,8 +22,8 @@ class PathError(Exception):
 
 def split_path(path: str) -> list[str]:
     if not PATH.fullmatch(path):
-        raise PathError(f"`{path}` is no path; expected names with dots between, and positions in brackets, for example "
-                        "parts.rod.velocity[0]")
+        raise PathError(f"`{path}` is no path; expected names with dots between, and positions in brackets, for "
+                        "example parts.rod.velocity[0]")
     return re.findall(r"\w+", path)
 
 

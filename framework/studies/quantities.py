@@ -29,8 +29,8 @@ def value_of(text: str) -> Value:
 
 
 def number_text(number: float) -> str:
-    """The shortest text of at most 12 digits; whole numbers stay whole."""
-    return format(number, ".12g")
+    """The shortest text that reads back as the same number; whole numbers stay whole."""
+    return str(int(number)) if float(number).is_integer() and abs(number) < 1e15 else repr(float(number))
 
 
 def with_unit(number: float, unit: str) -> Value:

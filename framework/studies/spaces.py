@@ -39,12 +39,14 @@ class Range:
     whole: bool
 
     def at(self, share: float) -> float:
-        """The number at a share of the way, 0 at the lower end and 1 at the upper."""
+        """The number at a share of the way, 0 at the lower end and 1 at the upper, in 12 digits."""
         if self.whole:  # each whole number has the same share of the way
             return min(math.floor(self.low + share * (self.high - self.low + 1)), self.high)
         if self.logarithmic:
-            return math.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
-        return self.low + share * (self.high - self.low)
+            number = math.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
+        else:
+            number = self.low + share * (self.high - self.low)
+        return float(format(number, ".12g"))
 
 
 class Spaces:
@@ -198,8 +200,8 @@ class Spaces:
         return value if value.unit == parameter.unit else self._wrong_unit(node, value, parameter)
 
     def _wrong_unit(self, node, value: Value, parameter: Parameter) -> Value:
-        self.complaints.add(node, f"`{value.text}` has another unit than `{parameter.name}` has elsewhere in this study; "
-                            f"expected a number {'in ' + parameter.unit if parameter.unit else 'without a unit'}")
+        self.complaints.add(node, f"`{value.text}` has another unit than `{parameter.name}` has elsewhere in this "
+                            f"study; expected a number {'in ' + parameter.unit if parameter.unit else 'without a unit'}")
         return value
 
     def _end(self, block: Block, key: str, parameter: Parameter | None) -> float:
@@ -213,9 +215,12 @@ class Spaces:
         return value.number
 
     def _range(self, block: Block, parameter: Parameter | None) -> Range:
+        before = len(self.complaints)
         found = Range(self._end(block, "from", parameter), self._end(block, "to", parameter),
                       block.choice("spacing", ("linear", "logarithmic"), "linear") == "logarithmic",
                       block.flag("whole"))
+        if len(self.complaints) > before:  # its ends are not known
+            return found
         if found.low >= found.high:
             self.complaints.add(block.node, f"the range goes from {found.low:g} to {found.high:g}; expected the lower "
                                 "end first")

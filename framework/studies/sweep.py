@@ -96,8 +96,8 @@ def folders_of(study: Study, output: Path) -> list[PointFolder]:
 
 def need_points(study: Study) -> None:
     if not study.has_points:
-        raise StudyError(f"{study.file}:1:1: error: the required key `points` of the study is missing; expected values, "
-                         "grid, latin_hypercube or mesh. Only --dakota and --collect can do without")
+        raise StudyError(f"{study.file}:1:1: error: the required key `points` of the study is missing; expected "
+                         "values, grid, latin_hypercube or mesh. Only --dakota and --collect can do without")
 
 
 # ---- commands

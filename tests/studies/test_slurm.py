@@ -32,7 +32,8 @@ def cluster(tmp_path):
     """An environment in which sbatch, srun and squeue are ours."""
     folder = tmp_path / "cluster"
     folder.mkdir()
-    for name, text in {"sbatch": SBATCH, "srun": SRUN, "squeue": "#!/bin/sh\ncat \"$(dirname \"$0\")/queue\"\n"}.items():
+    squeue = '#!/bin/sh\ncat "$(dirname "$0")/queue"\n'
+    for name, text in {"sbatch": SBATCH, "srun": SRUN, "squeue": squeue}.items():
         (folder / name).write_text(text)
         (folder / name).chmod(0o755)
     (folder / "queue").write_text("")
@@ -101,7 +102,7 @@ def test_an_input_that_changed_in_the_queue_is_not_run(tmp_path, cluster):
 
 
 def test_a_job_that_is_in_the_queue_is_not_submitted_again(tmp_path, cluster):
-    study = write(tmp_path, POINTS.replace("200 m/s", "-1 m/s"), "set: {time.minimum_step: 1 us}\n")
+    study = write(tmp_path, POINTS, "set: {time.minimum_step: 1 us}\n")
     sweep(study, "--slurm", "--submit", environment=cluster)
     (tmp_path / "cluster" / "queue").write_text("4711_0 normal study RUNNING\n")
     done = sweep(study, "--slurm", environment=cluster)
