@@ -132,8 +132,9 @@ class Triplet:
 
     def sentence(self) -> str:
         if self.behaviour == "monotone":
+            indices = f"{100.0 * self.index_fine:.3g} % (finest mesh), {100.0 * self.index_middle:.3g} % (next)"
             return (f"monotone: observed order {self.order:.3g}, extrapolated {self.extrapolated:.6g}, grid "
-                    f"convergence index {100.0 * self.index_fine:.3g} % (finest mesh), {100.0 * self.index_middle:.3g} % (next)")
+                    f"convergence index {indices}")
         return {"oscillating": "not monotone: the results go up and down as the cells get smaller; no order is given",
                 "diverging": "not converging: the differences do not shrink with the cells; no order is given",
                 "unchanged": "the results of two meshes are the same number; no order is given"}[self.behaviour]

@@ -23,6 +23,10 @@ class StudyError(Exception):
         self.lines = list(lines)
 
 
+class Hindered(StudyError):
+    """Nothing is wrong with the study, but it cannot be run now, or not here."""
+
+
 class Complaints:
     """Mistakes in one file, in the order of the file when they are told."""
 

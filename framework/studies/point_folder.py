@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from marked_yaml import StudyError
+from marked_yaml import Hindered
 from study import Point, Study
 
 DONE, FAILED, INTERRUPTED, UNFINISHED, MISSING = "done", "failed", "interrupted", "unfinished", "missing"
@@ -164,12 +164,12 @@ def read_lines(path: Path) -> list[str]:
 
 @contextmanager
 def study_alone(output: Path):
-    """One `kerf sweep` at a time per output folder. Throws StudyError where another one works there."""
+    """One `kerf sweep` at a time per output folder. Throws Hindered where another one works there."""
     output.mkdir(parents=True, exist_ok=True)
     with (output / "lock").open("a") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            raise StudyError(f"{output}: error: another kerf sweep works in this folder; wait for its end, or name "
-                             "another folder with --output") from error
+            raise Hindered(f"{output}: error: another kerf sweep works in this folder; wait for its end, or name "
+                           "another folder with --output") from error
         yield

@@ -12,7 +12,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from marked_yaml import StudyError
+from marked_yaml import Hindered, StudyError
 from point_folder import INTERRUPTED, UNFINISHED, PointFolder, hash_of_file, write_whole
 
 TEMPLATE = Path(__file__).with_name("slurm_template.sh")
@@ -79,8 +79,8 @@ def refuse_if_queued(output: Path) -> None:
         return
     found = subprocess.run(["squeue", "--noheader", "--jobs", job], capture_output=True, text=True)
     if found.returncode == 0 and found.stdout.strip():
-        raise StudyError(f"{output}: error: job {job} of this study is still in the queue; wait for its end, or cancel "
-                         f"it with: scancel {job}")
+        raise Hindered(f"{output}: error: job {job} of this study is still in the queue; wait for its end, or cancel "
+                       f"it with: scancel {job}")
 
 
 def write_array(folders: list[PointFolder], output: Path, binary: Path, jobs: int | None) -> Path:
@@ -103,14 +103,14 @@ def write_array(folders: list[PointFolder], output: Path, binary: Path, jobs: in
 
 
 def submit(script: Path) -> str:
-    """Hands the array to Slurm and returns the job's number. Throws StudyError."""
+    """Hands the array to Slurm and returns the job's number. Throws Hindered."""
     try:
         done = subprocess.run(["sbatch", "--parsable", str(script)], capture_output=True, text=True)
     except OSError as error:
-        raise StudyError(f"{script}: error: sbatch cannot be started: {error.strerror}; expected Slurm's commands on "
-                         "this machine, or leave out --submit") from error
+        raise Hindered(f"{script}: error: sbatch cannot be started: {error.strerror}; expected Slurm's commands on "
+                       "this machine, or leave out --submit") from error
     if done.returncode != 0:
-        raise StudyError(f"{script}: error: sbatch has refused the array: {done.stderr.strip()}; change the template")
+        raise Hindered(f"{script}: error: sbatch has refused the array: {done.stderr.strip()}; change the template")
     job = done.stdout.strip().split(";")[0]
     write_whole(script.parent / "job_id", job + "\n")
     return job

@@ -200,8 +200,9 @@ class Spaces:
         return value if value.unit == parameter.unit else self._wrong_unit(node, value, parameter)
 
     def _wrong_unit(self, node, value: Value, parameter: Parameter) -> Value:
+        wanted = f"in {parameter.unit}" if parameter.unit else "without a unit"
         self.complaints.add(node, f"`{value.text}` has another unit than `{parameter.name}` has elsewhere in this "
-                            f"study; expected a number {'in ' + parameter.unit if parameter.unit else 'without a unit'}")
+                            f"study; expected a number {wanted}")
         return value
 
     def _end(self, block: Block, key: str, parameter: Parameter | None) -> float:

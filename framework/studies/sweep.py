@@ -21,7 +21,7 @@ try:
     import gather
     import slurm
     from local_runs import Run, Runner, usual_jobs
-    from marked_yaml import StudyError
+    from marked_yaml import Hindered, StudyError
     from point_folder import DONE, FAILED, INTERRUPTED, PointFolder, State, read_json, study_alone
     from quantities import Value
     from study import Point, Study, read_study
@@ -69,7 +69,7 @@ def binary_of_kerf() -> Path:
     build = os.environ.get("KERF_BUILD_DIR") or HERE.parents[1] / "build"
     path = Path(given).resolve() if given else Path(build).resolve() / "bin" / "kerf"
     if not os.access(path, os.X_OK):
-        raise StudyError(f"{path}: error: the program is not there; ./kerf build makes it, or set KERF_BINARY")
+        raise Hindered(f"{path}: error: the program is not there; ./kerf build makes it, or set KERF_BINARY")
     return path
 
 
@@ -176,7 +176,7 @@ def write_slurm(study: Study, output: Path, jobs: int | None, submit: bool) -> i
 
 def collect(study: Study, output: Path) -> int:
     if not output.is_dir():
-        raise StudyError(f"{output}: error: there is no such folder; expected that of an earlier kerf sweep")
+        raise Hindered(f"{output}: error: there is no such folder; expected that of an earlier kerf sweep")
     return report(study, output)
 
 
@@ -226,7 +226,7 @@ def main() -> int:
         print(*error.lines, sep="\n", file=sys.stderr)
         if arguments.dakota:
             dakota.write_failure(arguments.dakota[1], error.lines)
-        return EXIT_BAD_STUDY
+        return EXIT_OTHER if isinstance(error, Hindered) else EXIT_BAD_STUDY
     except ModuleNotFoundError as error:
         print(f"kerf sweep: the Python package {error.name} is missing; ./kerf build installs it, unless KERF_PYTHON "
               "names another Python", file=sys.stderr)

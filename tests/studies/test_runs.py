@@ -264,7 +264,7 @@ def test_two_studies_do_not_work_in_one_folder(tmp_path):
     process = start_and_wait_for_progress(study)
     try:
         second = sweep(study)
-        assert second.returncode == 2 and "another kerf sweep works in this folder" in second.stderr
+        assert second.returncode == 1 and "another kerf sweep works in this folder" in second.stderr
     finally:
         process.send_signal(signal.SIGTERM)
         process.communicate(timeout=60)

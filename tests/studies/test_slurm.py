@@ -106,7 +106,7 @@ def test_a_job_that_is_in_the_queue_is_not_submitted_again(tmp_path, cluster):
     sweep(study, "--slurm", "--submit", environment=cluster)
     (tmp_path / "cluster" / "queue").write_text("4711_0 normal study RUNNING\n")
     done = sweep(study, "--slurm", environment=cluster)
-    assert done.returncode == 2 and "job 4711 of this study is still in the queue" in done.stderr
+    assert done.returncode == 1 and "job 4711 of this study is still in the queue" in done.stderr
 
 
 def test_a_template_of_the_user_is_filled_in(tmp_path):
@@ -130,4 +130,4 @@ def test_a_bad_template_is_refused(tmp_path, text, sentence):
 
 def test_without_slurm_submitting_is_refused(tmp_path):
     done = sweep(write(tmp_path, POINTS, study=STUDY), "--slurm", "--submit", environment={"PATH": "/nowhere"})
-    assert done.returncode == 2 and "sbatch cannot be started" in done.stderr
+    assert done.returncode == 1 and "sbatch cannot be started" in done.stderr

@@ -113,4 +113,4 @@ def test_bad_options_are_refused(tmp_path, options, sentence):
 
 def test_collecting_what_was_never_run_is_refused(tmp_path):
     done = sweep(write(tmp_path, POINTS), "--collect")
-    assert done.returncode == 2 and "there is no such folder" in done.stderr
+    assert done.returncode == 1 and "there is no such folder" in done.stderr
