@@ -78,7 +78,7 @@ def output_of(study: Study, arguments: argparse.Namespace) -> Path:
         return arguments.output.resolve()
     if study.output:
         return (study.file.parent / study.output).resolve()
-    return (Path("results") / study.file.stem).resolve()
+    return (Path("results") / f"{study.input.file.stem}_{study.file.stem}").resolve()
 
 
 def folders_of(study: Study, output: Path) -> list[PointFolder]:
