@@ -70,7 +70,24 @@ def read_marked(file: Path, complaints: Complaints):
         raise StudyError(f"{file}: error: its values are nested too deep; expected a few levels") from error
     if root is None:
         raise StudyError(f"{file}: error: the file is empty; expected a map of keys and values")
+    refuse_odd_nodes(root, complaints, set(), set())
+    complaints.raise_if_any()
     return root
+
+
+def refuse_odd_nodes(node, complaints: Complaints, above: set, seen: set) -> None:
+    """Complains about tags, and about aliases that stand inside of what they refer to. Aliases are looked into once."""
+    if id(node) in above:
+        complaints.add(node, "an alias stands inside the value it refers to; aliases must come after it")
+    if id(node) in above or id(node) in seen:
+        return
+    seen.add(id(node))
+    if node.tag.startswith("!"):
+        complaints.add(node, f"there is the tag {node.tag}; expected a value without a tag")
+    if not is_scalar(node):
+        for entry in node.value:
+            for part in entry if isinstance(entry, tuple) else (entry,):
+                refuse_odd_nodes(part, complaints, above | {id(node)}, seen)
 
 
 def nearest(name: str, names) -> str:

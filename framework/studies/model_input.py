@@ -84,9 +84,12 @@ class ModelInput:
         """All files that the input, or one of the texts, names: curves, meshes, plugins, and the user's own material
         library. Paths are relative to the input; names of plugins are looked for in KERF_PLUGIN_PATH, as Kerf does."""
         names = set(texts)
-        pending = [self.root]
+        pending, seen = [self.root], set()
         while pending:
             node = pending.pop()
+            if id(node) in seen:  # an alias
+                continue
+            seen.add(id(node))
             if is_scalar(node):
                 names.add(node.value)
             else:

@@ -96,7 +96,8 @@ def test_a_study_without_points_says_what_can_do_without(tmp_path):
     assert "the required key `points` of the study is missing" in done.stderr
 
 
-@pytest.mark.parametrize("text", ["", "[1, 2]\n", "just text\n"])
+@pytest.mark.parametrize("text", ["", "[1, 2]\n", "just text\n", "title: &a [*a]\n", "title: !run x\n",
+                                  "input: input.yaml\npoints: *none\n", "a: 1\n---\nb: 2\n"])
 def test_what_is_no_map_is_refused(tmp_path, text):
     study = write(tmp_path, study=text)
     done = sweep(study, "--check")
