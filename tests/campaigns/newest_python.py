@@ -6,7 +6,7 @@ import sys
 
 from harness import BUILD, SOURCE, Report, workplace
 
-FOLDERS = ("python", "input", "regression")
+FOLDERS = ("python", "input", "regression", "studies")
 
 
 def imported_packages():
