@@ -93,8 +93,8 @@ class BlockPartitioner final : public Partitioner {
         if (from[k] == to[k]) continue;
         const std::int64_t middle = from[k] + (to[k] - from[k]) / 2;
         // In floating point, for a product of whole numbers could be beyond 64 bits; the same on all ranks.
-        const bool enough = static_cast<double>(below[k]) * problem.n_parts >=
-                            static_cast<double>(total) * static_cast<double>(k + 1);
+        const bool enough =
+            static_cast<double>(below[k]) * problem.n_parts >= static_cast<double>(total) * static_cast<double>(k + 1);
         if (enough)
           to[k] = middle;
         else

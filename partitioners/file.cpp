@@ -23,9 +23,11 @@ class FilePartitioner final : public Partitioner {
             "file with the part of each element, named relative to the input file: lines `element part`, or HDF5 as "
             "`kerf partition` writes it; of several files, or several partitions of a file, the one is taken that has "
             "as many parts as there are ranks");
-    s.text(&FilePartitioner::method, "method", "method whose partition is taken, where an HDF5 file has those of several")
+    s.text(&FilePartitioner::method, "method",
+           "method whose partition is taken, where an HDF5 file has those of several")
         .optional();
-    s.text(&FilePartitioner::state, "state", "state of the model whose partition is taken: initial, or frame_N of results")
+    s.text(&FilePartitioner::state, "state",
+           "state of the model whose partition is taken: initial, or frame_N of results")
         .by_default("initial");
     s.rule("file", "file must not be an empty list", [](const FilePartitioner& p) { return !p.files.empty(); });
   }
@@ -66,7 +68,7 @@ class FilePartitioner final : public Partitioner {
   std::string path_of(const std::string& name) const {
     const std::size_t column = origin.rfind(':');
     const std::size_t line = column == std::string::npos ? column : origin.rfind(':', column - 1);
-    if (origin.rfind("--set", 0) == 0 || line == std::string::npos) return name;
+    if (origin.rfind("--", 0) == 0 || line == std::string::npos) return name;
     return (std::filesystem::path(origin.substr(0, line)).parent_path() / name).string();
   }
 

@@ -42,8 +42,7 @@ class RcbDecomposition final : public SpatialDecomposition {
                                                                         {"IMBALANCE_TOL", std::to_string(tolerance_)}});
     }
     try {
-      session_->partition(problem, scaled_weights(weights, summary.largest_weights),
-                          ZoltanSees::places);
+      session_->partition(problem, scaled_weights(weights, summary.largest_weights), ZoltanSees::places);
     } catch (...) {
       session_.reset();
       throw;

@@ -14,8 +14,11 @@ class ZoltanScotch final : public ZoltanPartitioner {
  protected:
   ZoltanSees sees() const override { return ZoltanSees::graph; }
   ZoltanParameters method(const PartitionProblem&) const override {
-    return {{"LB_METHOD", "GRAPH"},  {"GRAPH_PACKAGE", "SCOTCH"}, {"LB_APPROACH", "PARTITION"},
-            {"EDGE_WEIGHT_DIM", "0"}, {"CHECK_GRAPH", "0"}};
+    return {{"LB_METHOD", "GRAPH"},
+            {"GRAPH_PACKAGE", "SCOTCH"},
+            {"LB_APPROACH", "PARTITION"},
+            {"EDGE_WEIGHT_DIM", "0"},
+            {"CHECK_GRAPH", "0"}};
   }
 };
 

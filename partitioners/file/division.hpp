@@ -22,8 +22,8 @@ struct DivisionRequest {
   std::int64_t n_elements = 0;  // ids are below
 };
 
-/// What a reader found. Without complaints `division` fits the request, or, where `found` is false, the file has none of
-/// so many parts, but those of `other_counts`.
+/// What a reader found. Without complaints `division` fits the request, or, where `found` is false, the file has none
+/// of so many parts, but those of `other_counts`.
 struct FoundDivision {
   Division division;
   bool found = false;

@@ -67,9 +67,7 @@ class Hdf5Reader {
   }
 
  private:
-  void complain(const std::string& sentence) {
-    found_.complaints.push_back(request_.path + ": error: " + sentence);
-  }
+  void complain(const std::string& sentence) { found_.complaints.push_back(request_.path + ": error: " + sentence); }
 
   /// All entries of a list of whole numbers.
   bool read_list(hid_t group, const std::string& name, std::vector<std::int64_t>& values) {
