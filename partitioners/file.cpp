@@ -85,9 +85,9 @@ class FilePartitioner final : public Partitioner {
       }
       for (const int n : found.other_counts) counts += (counts.empty() ? "" : ", ") + std::to_string(n);
     }
-    return {path_of(files.front()) + ": error: the elements are divided into " + (counts.empty() ? "no" : counts) +
-            " parts, and " + std::to_string(problem.n_parts) +
-            " are asked for; expected a file for as many parts as there are ranks"};
+    return {path_of(files.front()) + ": error: the number of parts is " + (counts.empty() ? "0" : counts) +
+            ", and the number asked for is " + std::to_string(problem.n_parts) +
+            "; expected as many parts as there are ranks"};
   }
 
   void share_division(MPI_Comm comm) {
