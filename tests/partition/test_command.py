@@ -28,7 +28,7 @@ MODEL = {
                 "mesh": {"type": "block", "size": "[3, 3, 6] mm", "origin": "[4, 3, -6.01] mm", "cells": [3, 3, 6]}},
         "aside": {"material": "metal",
                   "mesh": {"type": "block", "size": "[4, 4, 4] mm", "origin": "[30, 0, 0] mm", "cells": [4, 4, 4]}}},
-    "contacts": [{"type": "eroding_surface", "slaves": ["plate", "rod"], "masters": ["plate", "rod"]}],
+    "contacts": [{"type": "eroding_surface", "parts": ["plate", "rod"]}],
     "checks": {"energy_growth": 0.5},
     "output": {"results_interval": "3 us", "precision": "double", "element_fields": ["pressure", "owner"]},
 }
