@@ -5,6 +5,7 @@
 #include <mpi.h>
 
 #include <cstdio>
+#include <cstdlib>
 
 // Declares functions that take files and communicators.
 #include <ptscotch.h>
@@ -16,11 +17,22 @@ namespace {
 
 class ZoltanScotch final : public ZoltanPartitioner {
  public:
-  static void describe(Schema<ZoltanScotch>& s) { describe_zoltan(s); }
+  static void describe(Schema<ZoltanScotch>& s) {
+    describe_zoltan(s);
+    s.integer(&ZoltanScotch::seed, "seed", between(1, 2147483647), "seed of the heuristics' random numbers")
+        .by_default("1");
+  }
+
+  std::int64_t seed = 1;
 
  protected:
-  /// Otherwise the same question would get another answer the next time.
-  void begin() const override { SCOTCH_randomReset(); }
+  /// Scotch begins each process with another seed and goes on from one call to the next, and its threads, of which it
+  /// starts as many as there are cores, race: by itself it gives the same question another answer each time.
+  void begin() const override {
+    setenv("SCOTCH_PTHREAD_NUMBER", "1", 1);
+    SCOTCH_randomSeed(static_cast<SCOTCH_Num>(seed));
+    SCOTCH_randomReset();
+  }
   ZoltanSees sees() const override { return ZoltanSees::graph; }
   ZoltanParameters method(const PartitionProblem&) const override {
     return {{"LB_METHOD", "GRAPH"},
