@@ -25,8 +25,8 @@ try:
     from vtkmodules.vtkCommonCore import vtkPoints
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 except ModuleNotFoundError as error:
-    sys.exit(f"kerf partition: the Python package {error.name} is missing; ./kerf build installs it, unless KERF_PYTHON "
-             "names another Python")
+    sys.exit(f"kerf partition: the Python package {error.name} is missing; ./kerf build installs it, unless "
+             "KERF_PYTHON names another Python")
 
 COLOURS = 20  # of matplotlib's table tab20
 MARKS = "os^vD<>*PX"
