@@ -217,15 +217,29 @@ class Bisection final : public Partitioner {
  public:
   static void describe(Schema<Bisection>&) {}
 
+  std::vector<std::string> complaints(const PartitionProblem& problem) override {
+    const auto finite = [](double x) { return std::isfinite(x); };
+    int good = std::all_of(problem.coordinates.begin(), problem.coordinates.end(), finite) ? 1 : 0;
+    for (const double w : problem.weights) good = good != 0 && w >= 0.0 && std::isfinite(w) ? 1 : 0;
+    MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, problem.comm);
+    if (good != 0) return {};
+    return {origin +
+            ": error: the partitioner `bisection` was given an element whose place or work is not finite, or "
+            "whose work is negative; expected a run that is stable"};
+  }
+
   std::vector<int> partition(const PartitionProblem& problem) override {
+    const std::size_t n = problem.ids.size(), stride = static_cast<std::size_t>(problem.n_weights);
+    std::vector<double> work(n);
+    for (std::size_t i = 0; i < n; ++i) work[i] = problem.weights[i * stride];
     Cuts cuts;
-    cuts.make(problem.comm, n_ranks_of(problem.comm), problem.coordinates, problem.weights);
-    std::vector<int> owners(problem.ids.size());
-    for (std::size_t i = 0; i < owners.size(); ++i) {
+    cuts.make(problem.comm, problem.n_parts, problem.coordinates, work);
+    std::vector<int> parts(n);
+    for (std::size_t i = 0; i < n; ++i) {
       const double* x = &problem.coordinates[3 * i];
-      owners[i] = cuts.part_of({x[0], x[1], x[2]});
+      parts[i] = cuts.part_of({x[0], x[1], x[2]});
     }
-    return owners;
+    return parts;
   }
   std::unique_ptr<SpatialDecomposition> spatial() const override { return std::make_unique<BisectionDecomposition>(); }
 };

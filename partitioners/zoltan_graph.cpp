@@ -11,9 +11,7 @@ class ZoltanGraph final : public ZoltanPartitioner {
  public:
   static void describe(Schema<ZoltanGraph>& s) {
     describe_zoltan(s);
-    s.choice(&ZoltanGraph::approach, "approach", {"repartition", "partition", "refine"},
-             "repartition weighs communication against migration, partition starts afresh, refine changes little")
-        .by_default("repartition");
+    describe_approach(s, &ZoltanGraph::approach);
     s.real(&ZoltanGraph::repart_multiplier, "repart_multiplier", "-", positive,
            "cost of communication per cut face over that of migrating one element; for approach repartition")
         .by_default("100");
@@ -21,18 +19,19 @@ class ZoltanGraph final : public ZoltanPartitioner {
         .by_default("1");
   }
 
-  bool needs_graph() const override { return true; }
-
   std::string approach = "repartition";
   double repart_multiplier = 100.0;
   std::int64_t seed = 1;
 
  protected:
-  ZoltanParameters method() const override {
-    const char* name = approach == "partition" ? "PARTITION" : approach == "refine" ? "REFINE" : "REPARTITION";
-    return {{"LB_METHOD", "GRAPH"},        {"GRAPH_PACKAGE", "PHG"},
-            {"LB_APPROACH", name},         {"PHG_REPART_MULTIPLIER", std::to_string(repart_multiplier)},
-            {"EDGE_WEIGHT_DIM", "0"},      {"CHECK_GRAPH", "0"},
+  ZoltanSees sees() const override { return ZoltanSees::graph; }
+  ZoltanParameters method(const PartitionProblem& problem) const override {
+    return {{"LB_METHOD", "GRAPH"},
+            {"GRAPH_PACKAGE", "PHG"},
+            {"LB_APPROACH", zoltan_approach(approach, problem)},
+            {"PHG_REPART_MULTIPLIER", std::to_string(repart_multiplier)},
+            {"EDGE_WEIGHT_DIM", "0"},
+            {"CHECK_GRAPH", "0"},
             {"SEED", std::to_string(seed)}};
   }
 };

@@ -13,7 +13,7 @@ class ZoltanHsfc final : public ZoltanPartitioner {
   static void describe(Schema<ZoltanHsfc>& s) { describe_zoltan(s); }
 
  protected:
-  ZoltanParameters method() const override { return {{"LB_METHOD", "HSFC"}}; }
+  ZoltanParameters method(const PartitionProblem&) const override { return {{"LB_METHOD", "HSFC"}}; }
 };
 
 }  // namespace

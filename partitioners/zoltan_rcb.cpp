@@ -20,12 +20,13 @@ class RcbDecomposition final : public SpatialDecomposition {
     MPI_Comm_rank(comm, &rank);
     PartitionProblem problem;
     problem.comm = comm;
+    problem.n_parts = n_ranks;
     problem.coordinates = coordinates;
     problem.weights = weights;
     problem.ids.resize(weights.size());
     for (std::size_t i = 0; i < weights.size(); ++i)
       problem.ids[i] = (static_cast<std::int64_t>(rank) << 40) + static_cast<std::int64_t>(i);
-    const PartitionSummary summary = check_problem(problem, false);
+    const PartitionSummary summary = check_problem(problem, ZoltanSees::places);
     // Without points there is nothing to cut: rank 0 owns all of space.
     if (n_ranks == 1 || summary.empty) {
       session_.reset();
@@ -41,7 +42,7 @@ class RcbDecomposition final : public SpatialDecomposition {
                                                                         {"IMBALANCE_TOL", std::to_string(tolerance_)}});
     }
     try {
-      session_->partition(problem, scaled_weights(weights, summary.largest_weight), false);
+      session_->partition(problem, scaled_weights(weights, summary.largest_weights), ZoltanSees::places);
     } catch (...) {
       session_.reset();
       throw;
@@ -72,23 +73,39 @@ class ZoltanRcb final : public ZoltanPartitioner {
     s.boolean(&ZoltanRcb::rectilinear, "rectilinear",
               "keep elements whose centres lie in the same plane on the same side of a cut, at some cost in balance")
         .by_default("false");
+    s.choice(&ZoltanRcb::criteria, "criteria", {"elements", "elements_and_contact"},
+             "what is to be balanced: the work of elements, or that and the work of contact, each by itself")
+        .by_default("elements");
+    s.choice(&ZoltanRcb::norm, "norm", {"sum", "euclidean", "maximum"},
+             "how the shares of two criteria on one side of a cut become one number; for elements_and_contact")
+        .by_default("maximum");
   }
+
+  bool needs_contact_work() const override { return criteria == "elements_and_contact"; }
 
   std::unique_ptr<SpatialDecomposition> spatial() const override {
     return std::make_unique<RcbDecomposition>(imbalance_tolerance);
   }
 
   bool reuse_cuts = true, rectilinear = false;
+  std::string criteria = "elements", norm = "maximum";
 
  protected:
-  bool keeps_session() const override { return reuse_cuts; }
-  ZoltanParameters method() const override {
-    return {{"LB_METHOD", "RCB"},
-            {"AVERAGE_CUTS", "1"},
-            {"KEEP_CUTS", flag(reuse_cuts)},
-            {"RCB_REUSE", flag(reuse_cuts)},
-            {"RCB_LOCK_DIRECTIONS", flag(reuse_cuts)},
-            {"RCB_RECTILINEAR_BLOCKS", flag(rectilinear)}};
+  // Zoltan's bisection by two criteria does not start from cuts.
+  bool keeps_session() const override { return reuse_cuts && !needs_contact_work(); }
+  ZoltanParameters method(const PartitionProblem& problem) const override {
+    int n_ranks = 1;
+    MPI_Comm_size(problem.comm, &n_ranks);
+    const bool keeps = keeps_session() && problem.n_parts == n_ranks;
+    ZoltanParameters all{{"LB_METHOD", "RCB"},
+                         {"AVERAGE_CUTS", "1"},
+                         {"KEEP_CUTS", flag(keeps)},
+                         {"RCB_REUSE", flag(keeps)},
+                         {"RCB_LOCK_DIRECTIONS", flag(keeps)},
+                         {"RCB_RECTILINEAR_BLOCKS", flag(rectilinear)}};
+    if (needs_contact_work())
+      all.emplace_back("RCB_MULTICRITERIA_NORM", norm == "sum" ? "1" : norm == "euclidean" ? "2" : "3");
+    return all;
   }
 };
 

@@ -12,7 +12,9 @@ class ZoltanRib final : public ZoltanPartitioner {
   static void describe(Schema<ZoltanRib>& s) { describe_zoltan(s); }
 
  protected:
-  ZoltanParameters method() const override { return {{"LB_METHOD", "RIB"}, {"AVERAGE_CUTS", "1"}}; }
+  ZoltanParameters method(const PartitionProblem&) const override {
+    return {{"LB_METHOD", "RIB"}, {"AVERAGE_CUTS", "1"}};
+  }
 };
 
 }  // namespace

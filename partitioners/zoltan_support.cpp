@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace kerf {
@@ -18,7 +19,8 @@ constexpr int id_entries = entry_bits >= 64 ? 1 : 64 / entry_bits;
 /// What the query functions read.
 struct Input {
   const PartitionProblem& problem;
-  const std::vector<float>& weights;
+  const std::vector<float>& weights;  // problem.n_weights per element
+  int rank;
 };
 
 const Input& input_of(void* data) { return *static_cast<const Input*>(data); }
@@ -42,8 +44,20 @@ void list_elements(void* data, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR loc
   for (std::size_t i = 0; i < in.problem.ids.size(); ++i) {
     write_id(in.problem.ids[i], global + id_entries * i);
     local[i] = static_cast<ZOLTAN_ID_TYPE>(i);
-    weights[i] = in.weights[i];
   }
+  std::copy(in.weights.begin(), in.weights.end(), weights);
+  *error = ZOLTAN_OK;
+}
+
+void list_parts(void* data, int, int, int n, ZOLTAN_ID_PTR, ZOLTAN_ID_PTR local, int* parts, int* error) {
+  const Input& in = input_of(data);
+  const std::vector<int>& present = in.problem.present_parts;
+  for (int i = 0; i < n; ++i) parts[i] = present.empty() ? in.rank : present[local[i]];
+  *error = ZOLTAN_OK;
+}
+
+void list_sizes(void* data, int, int, int n, ZOLTAN_ID_PTR, ZOLTAN_ID_PTR local, int* sizes, int* error) {
+  for (int i = 0; i < n; ++i) sizes[i] = input_of(data).problem.record_bytes[local[i]];
   *error = ZOLTAN_OK;
 }
 
@@ -77,8 +91,27 @@ void list_neighbours(void* data, int, int, int n, ZOLTAN_ID_PTR, ZOLTAN_ID_PTR l
   *error = ZOLTAN_OK;
 }
 
+// Nodes are hyperedges; each element is handed over with the list of its nodes.
+void count_pins(void* data, int* n_lists, int* n_pins, int* format, int* error) {
+  const PartitionProblem& p = input_of(data).problem;
+  *n_lists = static_cast<int>(p.ids.size());
+  *n_pins = static_cast<int>(p.nodes.size());
+  *format = ZOLTAN_COMPRESSED_VERTEX;
+  *error = ZOLTAN_OK;
+}
+
+void list_pins(void* data, int, int, int, int, ZOLTAN_ID_PTR elements, int* first, ZOLTAN_ID_PTR nodes, int* error) {
+  const PartitionProblem& p = input_of(data).problem;
+  for (std::size_t i = 0; i < p.ids.size(); ++i) {
+    write_id(p.ids[i], elements + id_entries * i);
+    first[i] = static_cast<int>(p.first_node[i]);
+  }
+  for (std::size_t k = 0; k < p.nodes.size(); ++k) write_id(p.nodes[k], nodes + id_entries * k);
+  *error = ZOLTAN_OK;
+}
+
 /// What is wrong with a problem; the largest value over all ranks is what all of them report.
-enum class Fault { none, lengths, coordinates, weights, graph };
+enum class Fault { none, lengths, coordinates, weights, present, sizes, graph, nodes };
 
 const char* sentence(Fault fault) {
   switch (fault) {
@@ -88,6 +121,12 @@ const char* sentence(Fault fault) {
       return "the partitioner was given an element whose coordinates are not finite; the run has become unstable";
     case Fault::weights:
       return "the partitioner was given an element whose work is negative or not finite";
+    case Fault::present:
+      return "the partitioner was given a present part that is not one of those asked for";
+    case Fault::sizes:
+      return "the partitioner was given records of elements without a positive size";
+    case Fault::nodes:
+      return "the partitioner was given lists of nodes that do not match the elements, or are longer than 2^31";
     default:
       return "the partitioner was given a graph of neighbours that does not match the elements and ranks";
   }
@@ -104,14 +143,34 @@ bool graph_fits(const PartitionProblem& p, int n_ranks) {
                      [n_ranks](int r) { return r >= 0 && r < n_ranks; });
 }
 
-Fault fault_of(const PartitionProblem& p, bool with_graph, int n_ranks) {
+bool nodes_fit(const PartitionProblem& p) {
   const std::size_t n = p.ids.size();
-  if (p.coordinates.size() != 3 * n || p.weights.size() != n) return Fault::lengths;
+  if (n == 0) return p.nodes.empty();
+  return p.first_node.size() == n + 1 && p.first_node.front() == 0 &&
+         std::is_sorted(p.first_node.begin(), p.first_node.end()) &&
+         static_cast<std::size_t>(p.first_node.back()) == p.nodes.size() &&
+         p.nodes.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max());
+}
+
+Fault fault_of(const PartitionProblem& p, ZoltanSees sees, int n_ranks) {
+  const std::size_t n = p.ids.size();
+  if (p.n_weights < 1 || p.coordinates.size() != 3 * n || p.weights.size() != n * static_cast<std::size_t>(p.n_weights))
+    return Fault::lengths;
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::all_of(p.coordinates.begin(), p.coordinates.end(), finite)) return Fault::coordinates;
   if (!std::all_of(p.weights.begin(), p.weights.end(), [](double w) { return w >= 0.0 && std::isfinite(w); }))
     return Fault::weights;
-  return with_graph && !graph_fits(p, n_ranks) ? Fault::graph : Fault::none;
+  if (!p.present_parts.empty() &&
+      (p.present_parts.size() != n || !std::all_of(p.present_parts.begin(), p.present_parts.end(),
+                                                   [&p](int part) { return part >= 0 && part < p.n_parts; })))
+    return Fault::present;
+  if (sees == ZoltanSees::graph && !graph_fits(p, n_ranks)) return Fault::graph;
+  if (sees == ZoltanSees::hypergraph && !nodes_fit(p)) return Fault::nodes;
+  if (sees == ZoltanSees::hypergraph &&
+      (p.record_bytes.size() != n ||
+       !std::all_of(p.record_bytes.begin(), p.record_bytes.end(), [](int bytes) { return bytes > 0; })))
+    return Fault::sizes;
+  return Fault::none;
 }
 
 }  // namespace
@@ -129,8 +188,11 @@ ZoltanSession::ZoltanSession(MPI_Comm comm, const ZoltanParameters& parameters) 
   };
   bool good = initialised == ZOLTAN_OK && set("DEBUG_LEVEL", "0") &&
               set("NUM_GID_ENTRIES", std::to_string(id_entries)) && set("NUM_LID_ENTRIES", "1") &&
-              set("OBJ_WEIGHT_DIM", "1") && set("RETURN_LISTS", "EXPORT") && set("REMAP", "1");
-  for (const auto& [name, value] : parameters) good = good && set(name, value);
+              set("RETURN_LISTS", "PARTS") && set("REMAP", "1");
+  for (const auto& [name, value] : parameters) {
+    good = good && set(name, value);
+    if (name == "RETURN_LISTS") lists_parts_ = value == "PARTS";
+  }
   check(good ? ZOLTAN_OK : ZOLTAN_FATAL, "could not be set up: it does not know one of its parameters");
 }
 
@@ -157,35 +219,50 @@ void ZoltanSession::check(int code, const char* what) const {
 }
 
 std::vector<int> ZoltanSession::partition(const PartitionProblem& problem, const std::vector<float>& weights,
-                                          bool with_graph) {
-  Input input{problem, weights};
+                                          ZoltanSees sees) {
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  Input input{problem, weights, rank};
   Zoltan_Set_Num_Obj_Fn(zoltan_, count_elements, &input);
   Zoltan_Set_Obj_List_Fn(zoltan_, list_elements, &input);
   Zoltan_Set_Num_Geom_Fn(zoltan_, count_dimensions, &input);
   Zoltan_Set_Geom_Multi_Fn(zoltan_, list_coordinates, &input);
-  if (with_graph) {
+  Zoltan_Set_Part_Multi_Fn(zoltan_, list_parts, &input);
+  if (sees == ZoltanSees::graph) {
     Zoltan_Set_Num_Edges_Multi_Fn(zoltan_, count_neighbours, &input);
     Zoltan_Set_Edge_List_Multi_Fn(zoltan_, list_neighbours, &input);
   }
+  if (sees == ZoltanSees::hypergraph) {
+    Zoltan_Set_HG_Size_CS_Fn(zoltan_, count_pins, &input);
+    Zoltan_Set_HG_CS_Fn(zoltan_, list_pins, &input);
+    Zoltan_Set_Obj_Size_Multi_Fn(zoltan_, list_sizes, &input);
+  }
+  const bool accepted =
+      Zoltan_Set_Param(zoltan_, "NUM_GLOBAL_PARTS", std::to_string(problem.n_parts).c_str()) == ZOLTAN_OK &&
+      Zoltan_Set_Param(zoltan_, "OBJ_WEIGHT_DIM", std::to_string(problem.n_weights).c_str()) == ZOLTAN_OK;
+  check(accepted ? ZOLTAN_OK : ZOLTAN_FATAL, "does not take the number of parts or of weights");
+  return call(problem);
+}
+
+/// What Zoltan lists for every element of this rank.
+std::vector<int> ZoltanSession::call(const PartitionProblem& problem) {
   int changes = 0, n_gid = 0, n_lid = 0, n_import = 0, n_export = 0;
   ZOLTAN_ID_PTR import_global = nullptr, import_local = nullptr, export_global = nullptr, export_local = nullptr;
   int *import_ranks = nullptr, *import_parts = nullptr, *export_ranks = nullptr, *export_parts = nullptr;
   const int code =
       Zoltan_LB_Partition(zoltan_, &changes, &n_gid, &n_lid, &n_import, &import_global, &import_local, &import_ranks,
                           &import_parts, &n_export, &export_global, &export_local, &export_ranks, &export_parts);
-  // What is not on the list stays where it is.
-  int rank = 0;
-  MPI_Comm_rank(comm_, &rank);
-  std::vector<int> owner(problem.ids.size(), rank);
+  std::vector<int> parts(lists_parts_ ? problem.ids.size() : 0, -1);
   bool good = code == ZOLTAN_OK || code == ZOLTAN_WARN;
   for (int i = 0; good && i < n_export; ++i) {
-    good = export_local[i] < owner.size() && export_ranks[i] >= 0 && export_ranks[i] < n_ranks_;
-    if (good) owner[export_local[i]] = export_ranks[i];
+    good = export_local[i] < parts.size() && export_parts[i] >= 0 && export_parts[i] < problem.n_parts;
+    if (good) parts[export_local[i]] = export_parts[i];
   }
+  good = good && std::none_of(parts.begin(), parts.end(), [](int part) { return part < 0; });
   Zoltan_LB_Free_Part(&import_global, &import_local, &import_ranks, &import_parts);
   Zoltan_LB_Free_Part(&export_global, &export_local, &export_ranks, &export_parts);
   check(good ? ZOLTAN_OK : ZOLTAN_FATAL, "could not find a partition; try another partitioner");
-  return owner;
+  return parts;
 }
 
 int ZoltanSession::owner(Vec3 point) const {
@@ -205,43 +282,57 @@ void ZoltanSession::owners(Vec3 low, Vec3 high, std::vector<int>& ranks) const {
   std::sort(ranks.begin(), ranks.end());
 }
 
-PartitionSummary check_problem(const PartitionProblem& problem, bool with_graph) {
+PartitionSummary check_problem(const PartitionProblem& problem, ZoltanSees sees) {
   int n_ranks = 1;
   MPI_Comm_size(problem.comm, &n_ranks);
-  const Fault fault = fault_of(problem, with_graph, n_ranks);
-  std::array<double, 3> largest{static_cast<double>(fault), problem.ids.empty() ? 0.0 : 1.0, 0.0};
-  if (fault == Fault::none)
-    for (const double w : problem.weights) largest[2] = max_of(largest[2], w);
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, problem.comm);
-  const auto worst = static_cast<Fault>(static_cast<int>(largest[0]));
+  const Fault fault = fault_of(problem, sees, n_ranks);
+  std::array<double, 2> common{static_cast<double>(fault), problem.ids.empty() ? 0.0 : 1.0};
+  MPI_Allreduce(MPI_IN_PLACE, common.data(), 2, MPI_DOUBLE, MPI_MAX, problem.comm);
+  const auto worst = static_cast<Fault>(static_cast<int>(common[0]));
   if (worst != Fault::none) throw std::runtime_error(sentence(worst));
-  return {largest[1] == 0.0, largest[2]};
+  PartitionSummary summary{common[1] == 0.0, std::vector<double>(static_cast<std::size_t>(problem.n_weights), 0.0)};
+  for (std::size_t k = 0; k < problem.weights.size(); ++k) {
+    double& largest = summary.largest_weights[k % summary.largest_weights.size()];
+    largest = max_of(largest, problem.weights[k]);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, summary.largest_weights.data(), problem.n_weights, MPI_DOUBLE, MPI_MAX, problem.comm);
+  return summary;
 }
 
-std::vector<float> scaled_weights(const std::vector<double>& weights, double largest) {
+std::vector<float> scaled_weights(const std::vector<double>& weights, const std::vector<double>& largest) {
   std::vector<float> scaled(weights.size(), 1.0F);
-  if (largest > 0.0)
-    std::transform(weights.begin(), weights.end(), scaled.begin(),
-                   [largest](double w) { return static_cast<float>(w / largest); });
+  for (std::size_t k = 0; k < weights.size(); ++k)
+    if (const double unit = largest[k % largest.size()]; unit > 0.0) scaled[k] = static_cast<float>(weights[k] / unit);
   return scaled;
 }
 
+const char* zoltan_approach(const std::string& approach, const PartitionProblem& problem) {
+  int n_ranks = 1, knows_parts = problem.present_parts.empty() ? 0 : 1;
+  MPI_Comm_size(problem.comm, &n_ranks);
+  MPI_Allreduce(MPI_IN_PLACE, &knows_parts, 1, MPI_INT, MPI_MAX, problem.comm);
+  if (approach == "partition" || (knows_parts == 0 && problem.n_parts != n_ranks)) return "PARTITION";
+  return approach == "refine" ? "REFINE" : "REPARTITION";
+}
+
 std::vector<int> ZoltanPartitioner::partition(const PartitionProblem& problem) {
-  const PartitionSummary summary = check_problem(problem, needs_graph());
+  const PartitionSummary summary = check_problem(problem, sees());
   int n_ranks = 1;
   MPI_Comm_size(problem.comm, &n_ranks);
-  if (n_ranks == 1 || summary.empty) return std::vector<int>(problem.ids.size(), 0);
-  if (!session_ || !keeps_session() || !session_->serves(problem.comm)) {
+  if (problem.n_parts == 1 || summary.empty) return std::vector<int>(problem.ids.size(), 0);
+  // What a call leaves behind belongs to as many parts as there are ranks.
+  const bool keeps = keeps_session() && problem.n_parts == n_ranks;
+  if (!session_ || !keeps || !session_->serves(problem.comm)) {
     session_.reset();
-    ZoltanParameters parameters = method();
+    ZoltanParameters parameters = method(problem);
     parameters.emplace_back("IMBALANCE_TOL", std::to_string(imbalance_tolerance));
     session_ = std::make_unique<ZoltanSession>(problem.comm, parameters);
   }
+  begin();
   try {
-    std::vector<int> owner =
-        session_->partition(problem, scaled_weights(problem.weights, summary.largest_weight), needs_graph());
-    if (!keeps_session()) session_.reset();
-    return owner;
+    std::vector<int> parts =
+        session_->partition(problem, scaled_weights(problem.weights, summary.largest_weights), sees());
+    if (!keeps) session_.reset();
+    return parts;
   } catch (...) {
     session_.reset();  // whatever state a failure has left behind must not reach the next call
     throw;

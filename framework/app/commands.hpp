@@ -26,6 +26,15 @@ struct RunOptions {
   int ranks = 0;  // 0 where not given
 };
 
+/// What `partition` is told.
+struct PartitionOptions {
+  RunOptions run;
+  std::string parts;  // "2,4,8"
+  std::vector<std::string> methods;  // all, names with commas between, NAME={type: ...}
+  std::string results, frames;  // folder of a run, "0,10,last"
+  bool no_mesh = false;
+};
+
 /// What `test-plugin` is told.
 struct TestPluginOptions {
   std::string library, samples, only;  // paths; KIND.NAME
@@ -36,6 +45,7 @@ struct TestPluginOptions {
 // These start and end MPI. Only rank 0 prints.
 int run_command(const RunOptions& options, Registry& registry);
 int check_command(const RunOptions& options, Registry& registry);
+int partition_command(const PartitionOptions& options, Registry& registry);
 
 // These need no MPI.
 /// Curves of laws along the paths of a drive file. Where `only_check`, nothing is written, and what has no reference is

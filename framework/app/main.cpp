@@ -19,6 +19,7 @@ namespace {
 
 struct Arguments {
   RunOptions run;
+  PartitionOptions partition;
   TestPluginOptions test;
   std::string kind, name, folder, python;
   std::vector<std::string> names;
@@ -57,11 +58,27 @@ void add_input(CLI::App& command, Arguments& a) {
           "");
 }
 
+void add_partition(CLI::App& app, Arguments& a) {
+  CLI::App* partition = add_command(app, a, "partition", "divide the elements of a model, and measure the divisions");
+  add_input(*partition, a);
+  partition->add_option("--parts", a.partition.parts, "numbers of parts, for example 2,4,8")
+      ->required()
+      ->type_name("N,...");
+  add_repeatable(*partition, "--method", a.partition.methods, "NAME,...",
+                 "partitioners, all, or NAME={type: ...} for one with parameters; may be repeated; by default all");
+  partition->add_option("--results", a.partition.results, "folder of a run of the input, whose frames are divided")
+      ->type_name("DIR");
+  partition->add_option("--frame", a.partition.frames, "frames of the results, for example 0,10,last; by default last")
+      ->type_name("N,...");
+  partition->add_flag("--no-mesh", a.partition.no_mesh, "write no mesh for pictures and ParaView");
+}
+
 void add_commands(CLI::App& app, Arguments& a) {
   CLI::App* run = add_command(app, a, "run", "run an input file");
   add_input(*run, a);
   run->add_flag("--resume", a.run.resume, "continue from the last restart file in the output folder");
   add_input(*add_command(app, a, "check", "check an input file without running it"), a);
+  add_partition(app, a);
   CLI::App* drive = add_command(app, a, "drive", "take laws along paths of deformation, one element at a time");
   add_file(*drive, a, "drive file");
   drive->add_flag("--check", a.only_check, "compare with the references of the file only, and write nothing");
@@ -99,15 +116,22 @@ void add_commands(CLI::App& app, Arguments& a) {
       ->type_name("DIR");
 }
 
+int run_on_ranks(const std::string& command, const Arguments& a, Registry& registry, int argc, char** argv) {
+  if (needs_mpirun(a.run.ranks)) check_before_launch(a.run, registry);
+  relaunch_under_mpirun(a.run.ranks, argc, argv);
+  if (command == "run") return run_command(a.run, registry);
+  if (command == "check") return check_command(a.run, registry);
+  PartitionOptions options = a.partition;
+  options.run = a.run;
+  return partition_command(options, registry);
+}
+
 int dispatch(const std::string& command, const Arguments& a, int argc, char** argv) {
   load_limit();  // a wrong one is told before anything else
   Registry registry;
   register_builtin_plugins(registry);
-  if (command == "run" || command == "check") {
-    if (needs_mpirun(a.run.ranks)) check_before_launch(a.run, registry);
-    relaunch_under_mpirun(a.run.ranks, argc, argv);
-    return command == "run" ? run_command(a.run, registry) : check_command(a.run, registry);
-  }
+  if (command == "run" || command == "check" || command == "partition")
+    return run_on_ranks(command, a, registry, argc, argv);
   if (command == "drive") return drive_command(a.run, registry, a.only_check);
   Diagnostics diagnostics;
   for (const std::string& path : a.run.plugins) load_plugin(path, registry, diagnostics);

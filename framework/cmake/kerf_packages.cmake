@@ -17,6 +17,14 @@ function(kerf_find_trilinos)
 endfunction()
 kerf_find_trilinos()
 
+# Zoltan calls PT-Scotch; Kerf itself only resets its random numbers.
+find_path(PTSCOTCH_INCLUDE_DIR ptscotch.h PATH_SUFFIXES scotch REQUIRED)
+find_library(PTSCOTCH_LIBRARY ptscotch REQUIRED)
+mark_as_advanced(PTSCOTCH_INCLUDE_DIR PTSCOTCH_LIBRARY)
+add_library(kerf_ptscotch INTERFACE)
+target_include_directories(kerf_ptscotch SYSTEM INTERFACE ${PTSCOTCH_INCLUDE_DIR})
+target_link_libraries(kerf_ptscotch INTERFACE ${PTSCOTCH_LIBRARY} MPI::MPI_CXX)
+
 find_path(UDUNITS2_INCLUDE_DIR udunits2.h PATH_SUFFIXES udunits2 REQUIRED)
 find_library(UDUNITS2_LIBRARY udunits2 REQUIRED)
 mark_as_advanced(UDUNITS2_INCLUDE_DIR UDUNITS2_LIBRARY)
@@ -31,15 +39,15 @@ target_link_libraries(kerf_yaml INTERFACE yaml-cpp)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
+# A run writes HDF5 by itself (framework/output/hdf5_image.hpp). With HDF5's library partitions are read and written,
+# and tests read. Debian installs one HDF5 per MPI flavour side by side; take the one that is there with Open MPI anyway.
+set(HDF5_PREFER_PARALLEL ON)
+find_program(HDF5_C_COMPILER_EXECUTABLE NAMES h5pcc.openmpi h5pcc)
+find_package(HDF5 REQUIRED COMPONENTS C)
+add_library(kerf_hdf5 INTERFACE)
+target_include_directories(kerf_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
+target_link_libraries(kerf_hdf5 INTERFACE ${HDF5_C_LIBRARIES} MPI::MPI_CXX)
 if(KERF_TESTS)
-  # Kerf writes HDF5 by itself (framework/output/hdf5_image.hpp); only tests read with HDF5's library. Debian installs
-  # one HDF5 per MPI flavour side by side; take the one that is there with Open MPI anyway.
-  set(HDF5_PREFER_PARALLEL ON)
-  find_program(HDF5_C_COMPILER_EXECUTABLE NAMES h5pcc.openmpi h5pcc)
-  find_package(HDF5 REQUIRED COMPONENTS C)
-  add_library(kerf_hdf5 INTERFACE)
-  target_include_directories(kerf_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
-  target_link_libraries(kerf_hdf5 INTERFACE ${HDF5_C_LIBRARIES} MPI::MPI_CXX)
   find_package(GTest REQUIRED)
   find_package(benchmark REQUIRED)
 endif()

@@ -6,10 +6,12 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/diagnostics.hpp"
 #include "core/memory.hpp"
 #include "core/physics_error.hpp"
 #include "model/migrator.hpp"
 #include "parallel/communicator.hpp"
+#include "partition/problem.hpp"
 
 namespace kerf {
 
@@ -84,58 +86,21 @@ void Balancer::restore(std::int64_t last_cycle, const PolicyProgress& progress) 
   if (progress.type == input_.policy->type) input_.policy->restore(progress.numbers);
 }
 
-namespace {
-
-/// Throws PhysicsError, on all ranks, where a partitioner has not answered for each element with a rank that there is.
-void refuse_wrong_owners(const Model& model, const Partitioner& partitioner, const PartitionProblem& problem,
-                         const std::vector<int>& owners) {
-  std::string trouble;
-  if (owners.size() != problem.ids.size())
-    trouble = fmt::format("the partitioner `{}` returns {} owners for {} elements; expected one for each",
-                          partitioner.type, owners.size(), problem.ids.size());
-  for (std::size_t i = 0; i < owners.size() && trouble.empty(); ++i)
-    if (owners[i] < 0 || owners[i] >= model.n_ranks())
-      trouble = fmt::format("the partitioner `{}` gives element {} to rank {}; expected a rank from 0 to {}",
-                            partitioner.type, problem.ids[i], owners[i], model.n_ranks() - 1);
-  if (const std::string first = first_text(model.comm, trouble); !first.empty()) throw PhysicsError(first);
-}
-
-}  // namespace
-
-std::vector<int> Balancer::partition(const Model& model) const {
-  PartitionProblem problem;
-  problem.comm = model.comm;
-  const bool graph = input_.partitioner->needs_graph();
-  if (graph) problem.first.push_back(0);
-  for (std::size_t p = 0; p < model.parts.size(); ++p) {
-    const PartStore& store = *model.parts[p].store;
-    for (int s = 0; s < store.n_slots(); ++s) {
-      if (!store.live(s)) continue;
-      problem.ids.push_back(store.id(s));
-      Vec3 centre;
-      for (int k = 0; k < store.n_nodes(); ++k) centre = centre + model.nodes.x(store.node(s, k));
-      centre = centre * (1.0 / store.n_nodes());
-      problem.coordinates.insert(problem.coordinates.end(), {centre.x, centre.y, centre.z});
-      problem.weights.push_back(model.parts[p].work);
-      if (!graph) continue;
-      model.surface.neighbours(model.surface_mesh(), static_cast<int>(p), s, problem.neighbours,
-                               problem.neighbour_ranks);
-      problem.first.push_back(static_cast<std::int64_t>(problem.neighbours.size()));
-    }
-  }
-  std::vector<int> owners = input_.partitioner->partition(problem);
-  refuse_wrong_owners(model, *input_.partitioner, problem, owners);
-  return owners;
+void Balancer::refuse_on_one_rank(Model& model) const {
+  Partitioner& partitioner = *input_.partitioner;
+  if (const auto lines = partitioner.complaints(problem_of(model, partitioner, 1)); !lines.empty())
+    throw InputError(lines);
 }
 
 void Balancer::move(Model& model, std::int64_t cycle) {
-  if (model.n_ranks() == 1) return;
+  if (model.n_ranks() == 1) return refuse_on_one_rank(model);
   const ReturnedBlocks returned;
   const auto start = std::chrono::steady_clock::now();
   BalanceMove r;
   r.cycle = cycle;
   r.imbalance_before = imbalance(model);
-  r.elements_moved = sum_of(model.comm, migrate(model, partition(model)));
+  const PartitionProblem problem = problem_of(model, *input_.partitioner, model.n_ranks());
+  r.elements_moved = sum_of(model.comm, migrate(model, find_parts(*input_.partitioner, problem)));
   r.imbalance_after = imbalance(model);
   r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   last_cycle_ = cycle;

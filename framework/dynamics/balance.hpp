@@ -60,7 +60,8 @@ class Balancer {
   void restore(std::int64_t last_cycle, const PolicyProgress& progress);
 
  private:
-  std::vector<int> partition(const Model& model) const;
+  /// A partitioner that cannot answer on one rank must not pass unheard. Collective.
+  void refuse_on_one_rank(Model& model) const;
   bool ask(const Model& model, const Step& step, double cycles_left, const RankWork& work);
 
   const BalanceInput& input_;

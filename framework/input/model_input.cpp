@@ -193,8 +193,8 @@ void OutputInput::describe(Schema<OutputInput>& s) {
   s.choice(&OutputInput::precision, "precision", {"single", "double"}, "precision of the fields in results.vtkhdf")
       .by_default("single");
   s.texts(&OutputInput::element_fields, "element_fields",
-          fmt::format("element fields to write: any of {}, and every state variable",
-                      fmt::join(element_field_names(), ", ")))
+          fmt::format("element fields to write: any of {}, {}, and every state variable",
+                      fmt::join(element_field_names(), ", "), owner_field().name))
       .by_default("[pressure, von_mises, effective_plastic_strain]");
   s.texts(&OutputInput::node_fields, "node_fields",
           fmt::format("node fields to write: any of {}", fmt::join(node_field_names(), ", ")))

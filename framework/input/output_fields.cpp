@@ -80,6 +80,11 @@ const std::vector<ElementField>& element_fields() {
   return fields;
 }
 
+const ElementField& owner_field() {
+  static const ElementField field = {"owner", "-", 1, "rank that owns the element; in results only", nullptr};
+  return field;
+}
+
 const std::vector<NodeField>& node_fields() {
   static const std::vector<NodeField> fields = {
       {"velocity", "m/s", 3, "at the middle of the last step", &velocity},

@@ -41,6 +41,9 @@ struct NodeField {
 };
 
 const std::vector<ElementField>& element_fields();
+/// A field of results alone: the rank that owns an element. It depends on the ranks, so observers cannot have it. It
+/// has no formula.
+const ElementField& owner_field();
 const std::vector<NodeField>& node_fields();
 /// Null where there is no field of this name; state variables are none.
 const ElementField* find_element_field(const std::string& name);

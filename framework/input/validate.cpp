@@ -491,7 +491,9 @@ class Validator {
       complete = complete && part->element;
       add_variables(element_fields, part->element.get());
     }
-    if (complete) check_list(model_.output.element_fields, element_fields, "element_fields");
+    Names of_results = element_fields;
+    of_results.emplace_back(owner_field().name);
+    if (complete) check_list(model_.output.element_fields, of_results, "element_fields");
     for (const auto& item : model_.observers) {
       if (item && complete) check_words(*item, item->element_fields(), element_fields, "field", "the fields");
       if (item) check_words(*item, item->node_fields(), node_field_names(), "node field", "the node fields");

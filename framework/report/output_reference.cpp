@@ -35,6 +35,7 @@ std::string output_reference() {
         text += row(line.name, line.unit, line.doc);
   text += heading("Element fields", "field");
   for (const ElementField& field : element_fields()) text += row(field.name, field.unit, field.doc);
+  text += row(owner_field().name, owner_field().unit, owner_field().doc);
   text += "\nEvery state variable of a law is an element field, too.\n";
   text += heading("Node fields", "field");
   for (const NodeField& field : node_fields()) text += row(field.name, field.unit, field.doc);

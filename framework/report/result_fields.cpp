@@ -119,8 +119,10 @@ HeldValues<double> FrameWriter::elemental(const std::string& name) {
   const auto n_components = static_cast<std::size_t>(components_of(name));
   double* const begin = room_for(n_components * live_.size());
   double* out = begin;
-  // A variable that a part's laws do not have is zero there.
-  for (const PartModel& part : model_.parts) out = FieldOfPart(*part.store, name).of_all(out);
+  if (name == owner_field().name)
+    out = std::fill_n(out, live_.size(), static_cast<double>(model_.rank()));
+  else  // a variable that a part's laws do not have is zero there
+    for (const PartModel& part : model_.parts) out = FieldOfPart(*part.store, name).of_all(out);
   KERF_ASSERT(out == begin + n_components * live_.size(), "the live elements are those that were listed");
   return {begin, live_.size(), n_components, nullptr};
 }

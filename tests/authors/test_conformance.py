@@ -161,7 +161,7 @@ def test_a_broken_promise_is_found_by_its_check_and_by_no_other(quick, name):
                                              "run_restart": "differ in history.h5 (watch/ranks)"}),
     ("partitioner.all_to_one", "wrong_parts", {"balance": "3.00 times the mean work"}),
     ("partitioner.nowhere", "wrong_parts", {
-        "migration": "the partitioner `nowhere` gives element 0 to rank 99; expected a rank from 0 to 1"}),
+        "migration": "the partitioner `nowhere` gives element 0 to part 99; expected a part from 0 to 1"}),
 ])
 def test_what_only_runs_show(wrong, name, library, expected):
     samples = CONTRACTS / ("samples.yaml" if library == "wrong_laws" else "parts.yaml")

@@ -28,8 +28,12 @@ int world_size() {
 }
 
 std::unique_ptr<Partitioner> make_partitioner(const std::string& name) {
-  Registry registry;
-  register_builtin_plugins(registry);
+  // Descriptions of partitioners belong to it.
+  static const Registry& registry = [] {
+    static Registry all;
+    register_builtin_plugins(all);
+    return std::ref(all);
+  }();
   Made made = registry.make("partitioner", name);
   auto* partitioner = dynamic_cast<Partitioner*>(made.plugin.get());
   if (partitioner == nullptr) throw std::runtime_error("not a partitioner: " + name);
@@ -42,7 +46,10 @@ template <class Owner>
 PartitionProblem block(int nx, int ny, int nz, Owner owner) {
   PartitionProblem p;
   p.comm = MPI_COMM_WORLD;
+  p.n_parts = world_size();
+  p.n_elements = static_cast<std::int64_t>(nx) * ny * nz;
   p.first.push_back(0);
+  p.first_node.push_back(0);
   const auto number = [=](int i, int j, int k) { return static_cast<std::int64_t>((k * ny + j) * nx + i); };
   for (int k = 0; k < nz; ++k) {
     for (int j = 0; j < ny; ++j) {
@@ -51,6 +58,11 @@ PartitionProblem block(int nx, int ny, int nz, Owner owner) {
         p.ids.push_back(number(i, j, k));
         p.coordinates.insert(p.coordinates.end(), {i + 0.5, j + 0.5, k + 0.5});
         p.weights.push_back(1.0);
+        p.record_bytes.push_back(800);
+        for (int c = 0; c < 8; ++c)
+          p.nodes.push_back(((k + (c >> 2)) * static_cast<std::int64_t>(ny + 1) + j + (c >> 1) % 2) * (nx + 1) + i +
+                            c % 2);
+        p.first_node.push_back(static_cast<std::int64_t>(p.nodes.size()));
         const int at[3] = {i, j, k}, size[3] = {nx, ny, nz};
         for (int d = 0; d < 3; ++d) {
           for (int side = -1; side <= 1; side += 2) {
@@ -73,11 +85,13 @@ PartitionProblem striped_block(int nx, int ny, int nz) {
   return block(nx, ny, nz, [n](std::int64_t id) { return static_cast<int>(id * world_size() / n); });
 }
 
-/// Load of every rank once the elements have moved.
-std::vector<double> loads(const PartitionProblem& p, const std::vector<int>& owner) {
-  std::vector<double> load(static_cast<std::size_t>(world_size()), 0.0);
-  for (std::size_t i = 0; i < owner.size(); ++i) load[static_cast<std::size_t>(owner[i])] += p.weights[i];
-  MPI_Allreduce(MPI_IN_PLACE, load.data(), world_size(), MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+/// Load of every part, of the weight number `which`.
+std::vector<double> loads(const PartitionProblem& p, const std::vector<int>& owner, int which = 0) {
+  std::vector<double> load(static_cast<std::size_t>(p.n_parts), 0.0);
+  for (std::size_t i = 0; i < owner.size(); ++i)
+    load[static_cast<std::size_t>(owner[i])] +=
+        p.weights[i * static_cast<std::size_t>(p.n_weights) + static_cast<std::size_t>(which)];
+  MPI_Allreduce(MPI_IN_PLACE, load.data(), p.n_parts, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
   return load;
 }
 
@@ -85,24 +99,43 @@ void expect_valid(const PartitionProblem& p, const std::vector<int>& owner) {
   ASSERT_EQ(owner.size(), p.ids.size());
   for (const int r : owner) {
     ASSERT_GE(r, 0);
-    ASSERT_LT(r, world_size());
+    ASSERT_LT(r, p.n_parts);
   }
 }
 
 /// The tolerance of the partitioner, and the heaviest element that cannot be split.
 void expect_balanced(const PartitionProblem& p, const std::vector<int>& owner, double tolerance) {
   const std::vector<double> load = loads(p, owner);
-  const double mean = std::accumulate(load.begin(), load.end(), 0.0) / world_size();
+  const double mean = std::accumulate(load.begin(), load.end(), 0.0) / p.n_parts;
   double heaviest = p.weights.empty() ? 0.0 : *std::max_element(p.weights.begin(), p.weights.end());
   MPI_Allreduce(MPI_IN_PLACE, &heaviest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
   // Each level of bisection may use the tolerance once and be off by one element.
-  const double levels = std::ceil(std::log2(std::max(world_size(), 2)));
+  const double levels = std::ceil(std::log2(std::max(p.n_parts, 2)));
   EXPECT_LE(*std::max_element(load.begin(), load.end()), tolerance * mean + levels * heaviest);
 }
 
+/// Whether a partitioner complains, or throws. On all ranks alike, or the test hangs.
+bool refuses(Partitioner& partitioner, const PartitionProblem& p) {
+  if (!partitioner.complaints(p).empty()) return true;
+  try {
+    partitioner.partition(p);
+  } catch (const std::runtime_error&) {
+    return true;
+  }
+  return false;
+}
+
+/// Sets a parameter that is a text.
+void set_text(Partitioner& partitioner, const std::string& name, const std::string& value) {
+  for (const Parameter& parameter : partitioner.description->parameters)
+    if (parameter.name == name) return parameter.set_text(dynamic_cast<void*>(&partitioner), value);
+  FAIL() << "no parameter " << name;
+}
+
 class EveryPartitioner : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Zoltan, EveryPartitioner,
-                         testing::Values("zoltan_rcb", "zoltan_rib", "zoltan_hsfc", "zoltan_graph"),
+INSTANTIATE_TEST_SUITE_P(All, EveryPartitioner,
+                         testing::Values("block", "zoltan_rcb", "zoltan_rib", "zoltan_hsfc", "zoltan_graph",
+                                         "zoltan_hypergraph", "zoltan_scotch"),
                          [](const auto& info) { return std::string(info.param); });
 class GeometricPartitioner : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Zoltan, GeometricPartitioner, testing::Values("zoltan_rcb", "zoltan_rib", "zoltan_hsfc"),
@@ -195,11 +228,13 @@ TEST_P(EveryPartitioner, follows_a_moving_load_call_after_call) {
 TEST_P(EveryPartitioner, tells_every_rank_of_a_bad_weight_on_one) {
   const auto partitioner = make_partitioner(GetParam());
   PartitionProblem p = striped_block(6, 6, 6);
+  p.n_parts = 4;  // on one rank, too, there is something to do
   if (world_rank() == world_size() - 1) p.weights[0] = std::nan("");
-  EXPECT_THROW(partitioner->partition(p), std::runtime_error);
+  EXPECT_TRUE(refuses(*partitioner, p));
+  if (std::string(GetParam()) == "block") return;  // it does not look at places
   p = striped_block(6, 6, 6);
   if (world_rank() == 0) p.coordinates[1] = std::numeric_limits<double>::infinity();
-  EXPECT_THROW(partitioner->partition(p), std::runtime_error);
+  EXPECT_TRUE(refuses(*partitioner, p));
 }
 
 TEST_P(EveryPartitioner, works_when_all_elements_are_in_one_place) {
@@ -215,6 +250,7 @@ TEST_P(GeometricPartitioner, balances_a_random_cloud_of_uneven_weights) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   PartitionProblem p;
   p.comm = MPI_COMM_WORLD;
+  p.n_parts = world_size();
   const int n = world_rank() == 0 && world_size() > 1 ? 0 : 4000;  // one rank brings nothing
   for (int i = 0; i < n; ++i) {
     p.ids.push_back(static_cast<std::int64_t>(world_rank()) * 100000 + i);
@@ -224,6 +260,108 @@ TEST_P(GeometricPartitioner, balances_a_random_cloud_of_uneven_weights) {
   const std::vector<int> owner = partitioner->partition(p);
   expect_valid(p, owner);
   expect_balanced(p, owner, 1.03);
+}
+
+TEST_P(EveryPartitioner, makes_as_many_parts_as_are_asked_for) {
+  for (const int n_parts : {1, 2, 4, 7, 12}) {
+    const auto partitioner = make_partitioner(GetParam());
+    PartitionProblem p = striped_block(16, 12, 10);
+    p.n_parts = n_parts;
+    const std::vector<int> part = partitioner->partition(p);
+    expect_valid(p, part);
+    expect_balanced(p, part, 1.05);
+    const std::vector<double> load = loads(p, part);
+    EXPECT_GT(*std::min_element(load.begin(), load.end()), 0.0) << n_parts << " parts";
+  }
+}
+
+TEST_P(EveryPartitioner, gives_the_same_parts_again_after_other_questions) {
+  const auto partitioner = make_partitioner(GetParam());
+  PartitionProblem p = striped_block(14, 9, 7);
+  p.n_parts = 6;
+  const std::vector<int> first = partitioner->partition(p);
+  PartitionProblem other = striped_block(5, 6, 7);
+  other.n_parts = 3;
+  partitioner->partition(other);
+  EXPECT_EQ(first, partitioner->partition(p));
+}
+
+/// Elements whose part is not what it was, when one is taken from the first part's half.
+std::int64_t moved_after_a_change(const std::string& name) {
+  const auto partitioner = make_partitioner(name);
+  PartitionProblem p = striped_block(16, 12, 10);
+  p.n_parts = 4;
+  p.present_parts = partitioner->partition(p);
+  for (std::size_t i = 0; i < p.ids.size(); ++i)
+    if (p.coordinates[3 * i] < 4.0) p.weights[i] = 1.3;
+  const std::vector<int> part = partitioner->partition(p);
+  expect_valid(p, part);
+  expect_balanced(p, part, 1.05);
+  std::int64_t moved = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) moved += part[i] != p.present_parts[i] ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  return moved;
+}
+
+TEST(Repartition, moves_few_elements_when_the_work_changes_a_little) {
+  EXPECT_LT(moved_after_a_change("zoltan_hypergraph"), 1920 / 4);
+}
+
+TEST(Hypergraph, shares_fewer_nodes_than_stripes) {
+  const auto partitioner = make_partitioner("zoltan_hypergraph");
+  PartitionProblem p = striped_block(24, 8, 8);
+  p.n_parts = 3;
+  const std::vector<int> part = partitioner->partition(p);
+  std::vector<std::int64_t> seen(25 * 9 * 9, 0);  // bits of the parts at each node
+  for (std::size_t i = 0; i < part.size(); ++i)
+    for (std::int64_t k = p.first_node[i]; k < p.first_node[i + 1]; ++k)
+      seen[static_cast<std::size_t>(p.nodes[static_cast<std::size_t>(k)])] |= std::int64_t{1} << part[i];
+  MPI_Allreduce(MPI_IN_PLACE, seen.data(), static_cast<int>(seen.size()), MPI_INT64_T, MPI_BOR, MPI_COMM_WORLD);
+  const auto shared =
+      std::count_if(seen.begin(), seen.end(), [](std::int64_t bits) { return (bits & (bits - 1)) != 0; });
+  EXPECT_GE(shared, 2 * 81);  // two plane cuts across the shortest way are the least
+  EXPECT_LE(shared, 3 * 81);
+}
+
+TEST(Rcb, balances_elements_and_contact_at_once) {
+  const auto partitioner = make_partitioner("zoltan_rcb");
+  PartitionProblem p = striped_block(20, 12, 10);
+  p.n_parts = 6;
+  p.n_weights = 2;
+  p.weights.clear();
+  for (std::size_t i = 0; i < p.ids.size(); ++i)
+    p.weights.insert(p.weights.end(), {1.0, p.coordinates[3 * i] < 1.0 ? 1.0 : 0.0});  // one face is in contact
+  for (const char* norm : {"sum", "euclidean", "maximum"}) {
+    set_text(*partitioner, "criteria", "elements_and_contact");
+    set_text(*partitioner, "norm", norm);
+    ASSERT_TRUE(partitioner->needs_contact_work());
+    const std::vector<int> part = partitioner->partition(p);
+    expect_valid(p, part);
+    for (int which = 0; which < 2; ++which) {
+      const std::vector<double> load = loads(p, part, which);
+      const double mean = std::accumulate(load.begin(), load.end(), 0.0) / 6.0;
+      EXPECT_LE(*std::max_element(load.begin(), load.end()), 1.35 * mean) << norm << ", criterion " << which;
+    }
+  }
+}
+
+TEST(BlockPartitioner, makes_ranges_of_ids_whoever_has_them) {
+  const auto partitioner = make_partitioner("block");
+  PartitionProblem p = block(10, 5, 4, [](std::int64_t id) { return static_cast<int>(id % world_size()); });
+  p.n_parts = 8;
+  const std::vector<int> part = partitioner->partition(p);
+  for (std::size_t i = 0; i < part.size(); ++i) EXPECT_EQ(part[i], p.ids[i] / 25);
+}
+
+TEST(NoPartitioner, cannot_make_other_numbers_of_parts) {
+  const auto partitioner = make_partitioner("none");
+  PartitionProblem p = striped_block(5, 4, 3);
+  EXPECT_TRUE(partitioner->complaints(p).empty());
+  p.n_parts = world_size() + 1;
+  EXPECT_EQ(partitioner->complaints(p).size(), 1U);
+  p.present_parts.assign(p.ids.size(), world_size());
+  EXPECT_TRUE(partitioner->complaints(p).empty());
+  EXPECT_EQ(partitioner->partition(p), p.present_parts);
 }
 
 TEST(NoPartitioner, leaves_elements_where_they_are) {

@@ -17,7 +17,7 @@
 namespace kerf {
 
 /// Number of the contract between engine and plugins; raised whenever a header in kerf/ changes meaning.
-inline constexpr int interface_version = 10;
+inline constexpr int interface_version = 11;
 
 /// A registered type: what it declares and how one is made. `parameters` is the address to fill.
 struct Made {

@@ -10,7 +10,7 @@ namespace {
 using namespace kerf;
 
 /// Cuts the model by planes across its longest axis, so that the elements between two planes have about the same weight
-/// on every rank. Elements are placed by their centres; those in one plane are never divided.
+/// in every part. Elements are placed by their centres; those in one plane are never divided.
 struct @TYPE@ final : Partitioner {
   std::int64_t halvings = 40;
 
@@ -20,17 +20,15 @@ struct @TYPE@ final : Partitioner {
   }
 
   std::vector<int> partition(const PartitionProblem& problem) override {
-    int n_ranks = 1;
-    MPI_Comm_size(problem.comm, &n_ranks);
     double low = 0.0, high = 0.0;
     const std::size_t axis = longest_axis(problem, low, high);
-    const std::vector<double> cuts = cuts_of(problem, axis, low, high, n_ranks);
-    std::vector<int> owners(problem.ids.size());
-    for (std::size_t i = 0; i < owners.size(); ++i) {
+    const std::vector<double> cuts = cuts_of(problem, axis, low, high);
+    std::vector<int> parts(problem.ids.size());
+    for (std::size_t i = 0; i < parts.size(); ++i) {
       const double x = problem.coordinates[3 * i + axis];
-      owners[i] = static_cast<int>(std::upper_bound(cuts.begin(), cuts.end(), x) - cuts.begin());
+      parts[i] = static_cast<int>(std::upper_bound(cuts.begin(), cuts.end(), x) - cuts.begin());
     }
-    return owners;
+    return parts;
   }
 
  private:
@@ -52,11 +50,10 @@ struct @TYPE@ final : Partitioner {
     return axis;
   }
 
-  /// Places of the n_ranks - 1 cuts, ascending: below cut k lies k / n_ranks of all weight, as near as planes of
+  /// Places of the n_parts - 1 cuts, ascending: below cut k lies k / n_parts of all weight, as near as planes of
   /// elements allow. All cuts are bisected together, with one sum over all ranks for each halving. Collective.
-  std::vector<double> cuts_of(const PartitionProblem& problem, std::size_t axis, double low, double high,
-                              int n_ranks) const {
-    const auto n = static_cast<std::size_t>(n_ranks - 1);
+  std::vector<double> cuts_of(const PartitionProblem& problem, std::size_t axis, double low, double high) const {
+    const auto n = static_cast<std::size_t>(problem.n_parts - 1);
     std::vector<double> from(n, low), to(n, high), below(n + 1), middle(n);
     for (std::int64_t halving = 0; n > 0 && halving < halvings; ++halving) {
       for (std::size_t k = 0; k < n; ++k) middle[k] = 0.5 * (from[k] + to[k]);
@@ -69,7 +66,7 @@ struct @TYPE@ final : Partitioner {
       }
       MPI_Allreduce(MPI_IN_PLACE, below.data(), static_cast<int>(n + 1), MPI_DOUBLE, MPI_SUM, problem.comm);
       for (std::size_t k = 0; k < n; ++k) {
-        const bool enough = below[k] * static_cast<double>(n_ranks) >= below[n] * static_cast<double>(k + 1);
+        const bool enough = below[k] * static_cast<double>(problem.n_parts) >= below[n] * static_cast<double>(k + 1);
         (enough ? to[k] : from[k]) = middle[k];
       }
     }

@@ -33,23 +33,22 @@ struct Slices final : kerf::Partitioner {
     std::vector<double> work(bins, 0.0);
     for (std::size_t e = 0; e < n; ++e) work[static_cast<std::size_t>(bin_of(e))] += problem.weights[e];
     // Summed on one rank, and told to all: they must agree on the cuts in every bit.
-    int rank = 0, n_ranks = 1;
+    int rank = 0;
     MPI_Comm_rank(problem.comm, &rank);
-    MPI_Comm_size(problem.comm, &n_ranks);
     MPI_Reduce(rank == 0 ? MPI_IN_PLACE : work.data(), work.data(), bins, MPI_DOUBLE, MPI_SUM, 0, problem.comm);
     MPI_Bcast(work.data(), bins, MPI_DOUBLE, 0, problem.comm);
 
     double total = 0.0, before = 0.0;
     for (const double w : work) total += w;
-    std::vector<int> owner_of_bin;
+    std::vector<int> part_of_bin;
     for (const double w : work) {
       const double middle = (before + 0.5 * w) / std::max(total, std::numeric_limits<double>::min());
-      owner_of_bin.push_back(std::min(static_cast<int>(middle * n_ranks), n_ranks - 1));
+      part_of_bin.push_back(std::min(static_cast<int>(middle * problem.n_parts), problem.n_parts - 1));
       before += w;
     }
-    std::vector<int> owners(n);
-    for (std::size_t e = 0; e < n; ++e) owners[e] = owner_of_bin[static_cast<std::size_t>(bin_of(e))];
-    return owners;
+    std::vector<int> parts(n);
+    for (std::size_t e = 0; e < n; ++e) parts[e] = part_of_bin[static_cast<std::size_t>(bin_of(e))];
+    return parts;
   }
 };
 

@@ -1,0 +1,36 @@
+// Writes the HDF5 file with the part of every element, for `partitioner: {type: file}` and for other programs.
+//
+// Layout: doc/users/partition.md.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace kerf {
+
+/// One file, written by one rank. Failures throw std::runtime_error.
+class PartitionsFile {
+ public:
+  /// Begins the file, in place of one that is there.
+  PartitionsFile(const std::string& path, const std::string& input, std::int64_t n_elements);
+  ~PartitionsFile();
+  PartitionsFile(const PartitionsFile&) = delete;
+  PartitionsFile& operator=(const PartitionsFile&) = delete;
+
+  /// Begins the group of a state of the model; `frame` is -1 for the initial one.
+  void begin_state(const std::string& state, std::int64_t frame, double time);
+  /// Adds the partition of the last state; `parts` by element id, -1 for dead elements.
+  void add(const std::string& method, const std::string& type, int n_parts, const std::vector<std::int32_t>& parts,
+           double seconds);
+  void close();
+
+ private:
+  void expect(bool good) const;
+
+  std::string path_, state_;
+  std::int64_t file_ = -1;  // HDF5's handle
+  std::int64_t n_elements_ = 0;
+};
+
+}  // namespace kerf
