@@ -38,8 +38,8 @@ class Network:
     node_gap_per_byte: float = 0.0  # time of the shared link of a node per byte [s/byte]
     eager_limit: int = 1 << 62  # [bytes]; a longer message waits for its receiver
     envelope: int = 0  # bytes that travel with every message
-    allreduce: str = "recursive_doubling"  # or "tree"
-    all_to_all: str = "pairwise"  # or "linear"
+    allreduce: str = "open_mpi"  # as Open MPI 4.1 chooses; or "recursive_doubling", "tree"
+    all_to_all: str = "open_mpi"  # as Open MPI 4.1 chooses; or "pairwise", "linear"
 
     def __post_init__(self):
         for link in (self.between, self.inside):
@@ -49,9 +49,22 @@ class Network:
                                      "number, at least 0")
         if self.ranks_per_node < 1:
             raise ValueError(f"network {self.name}: ranks_per_node is {self.ranks_per_node}; expected at least 1")
-        for key, known in (("allreduce", ("recursive_doubling", "tree")), ("all_to_all", ("pairwise", "linear"))):
+        for key, known in (("allreduce", ("open_mpi", "recursive_doubling", "tree")),
+                           ("all_to_all", ("open_mpi", "pairwise", "linear"))):
             if getattr(self, key) not in known:
                 raise ValueError(f"network {self.name}: {key} is {getattr(self, key)}; expected {' or '.join(known)}")
+
+    def allreduce_of(self, n_ranks: int) -> str:
+        """The algorithm for messages of some 100 bytes: ompi/mca/coll/tuned/coll_tuned_decision_fixed.c of 4.1."""
+        if self.allreduce != "open_mpi":
+            return self.allreduce
+        return "recursive_doubling" if n_ranks < 128 else "tree"
+
+    def all_to_all_of(self, n_ranks: int) -> str:
+        """The algorithm of an all-to-all with counts, from the same file, which asks only for the number of ranks."""
+        if self.all_to_all != "open_mpi":
+            return self.all_to_all
+        return "pairwise" if n_ranks < 4 or 64 <= n_ranks < 128 or 256 <= n_ranks < 1024 else "linear"
 
 
 def ideal(network: Network) -> Network:
@@ -156,7 +169,7 @@ class Clock:
                 case prog.Exchange(phase, messages, item_bytes):
                     self.exchange(messages, item_bytes)
                 case prog.Allreduce(phase, n_bytes):
-                    for messages in self.rounds_of(self.network.allreduce):
+                    for messages in self.rounds_of(self.network.allreduce_of(self.n_ranks)):
                         self.exchange(messages, n_bytes)
                 case prog.Consensus(phase, messages, item_bytes):
                     self.consensus(messages, item_bytes)
@@ -247,11 +260,11 @@ class Clock:
         self.barrier()
 
     def all_to_all_v(self, messages: Messages, item_bytes: int) -> None:
-        """Counts by the algorithm of Bruck, then data pairwise (every rank meets every other) or to those that get."""
+        """Counts by the algorithm of Bruck, then data: pairwise, where every rank meets every other, or all at once."""
         for bit, rounds in enumerate(self.rounds_of("dissemination")):
             blocks = int(np.count_nonzero(np.arange(self.n_ranks) >> bit & 1))
             self.exchange(rounds, 4 * blocks)
-        if self.network.all_to_all == "linear":
+        if self.network.all_to_all_of(self.n_ranks) == "linear":
             self.exchange(messages, item_bytes)
             return
         ranks = np.arange(self.n_ranks)

@@ -57,8 +57,9 @@ class Traces:
 def write_traces(program: prog.Program, network: Network, folder: Path) -> Path:
     """One trace per rank, and the list of them, which smpirun reads. Collectives are written as their messages."""
     t = Traces(program.n_ranks)
-    make = {"recursive_doubling": prog.recursive_doubling, "tree": prog.reduce_and_broadcast}[network.allreduce]
-    reduction, barrier = make(program.n_ranks), prog.dissemination(program.n_ranks)
+    make = {"recursive_doubling": prog.recursive_doubling, "tree": prog.reduce_and_broadcast}
+    reduction = make[network.allreduce_of(program.n_ranks)](program.n_ranks)
+    barrier = prog.dissemination(program.n_ranks)
     for step in program.steps:
         match step:
             case prog.Compute(_, seconds):
