@@ -261,12 +261,28 @@ class Clock:
 
     def all_to_all_v(self, messages: Messages, item_bytes: int) -> None:
         """Counts by the algorithm of Bruck, then data: pairwise, where every rank meets every other, or all at once."""
+        if self.n_ranks == 1:
+            return
         for bit, rounds in enumerate(self.rounds_of("dissemination")):
             blocks = int(np.count_nonzero(np.arange(self.n_ranks) >> bit & 1))
             self.exchange(rounds, 4 * blocks)
         if self.network.all_to_all_of(self.n_ranks) == "linear":
             self.exchange(messages, item_bytes)
-            return
+            self.empty_messages(messages)
+        else:
+            self.pairwise(messages, item_bytes)
+
+    def empty_messages(self, messages: Messages) -> None:
+        """The messages without content that a linear all-to-all sends to all others: overheads, and one last wait."""
+        link = self.network.between
+        to_send = self.n_ranks - 1 - np.bincount(messages.source, minlength=self.n_ranks)
+        to_take = self.n_ranks - 1 - np.bincount(messages.destination, minlength=self.n_ranks)
+        sent = self.time + to_send * link.send_overhead
+        self.time = np.maximum(sent + to_take * link.receive_overhead,
+                               sent.max() + link.latency + link.receive_overhead)
+
+    def pairwise(self, messages: Messages, item_bytes: int) -> None:
+        """Step k: to the rank k ahead, from the rank k behind."""
         ranks = np.arange(self.n_ranks)
         distance = (messages.destination - messages.source) % self.n_ranks
         order = np.argsort(distance, kind="stable")
