@@ -110,7 +110,7 @@ class Way:
     """What never changes about a set of messages on a network: who queues where, and for how long."""
 
     def __init__(self, network: Network, n_ranks: int, messages: Messages, item_bytes: int):
-        m, n_nodes = messages, -(-n_ranks // network.ranks_per_node)
+        m = messages
         self.source, self.destination = m.source, m.destination
         n_bytes = m.items * item_bytes + network.envelope
         inside = m.source // network.ranks_per_node == m.destination // network.ranks_per_node
@@ -133,13 +133,13 @@ class Way:
         self.handshake = of("latency") + of("send_overhead") + of("receive_overhead")
         self.one_to_each = len(np.unique(m.destination)) == len(m)
         self.one_from_each = len(starts) == len(m)
-        self.order = np.lexsort((m.source, m.destination))
         # Messages between nodes also pass the one link of their node, out and in.
         self.far = np.flatnonzero(~inside) if network.ranks_per_node > 1 else np.zeros(0, dtype=np.int64)
         self.from_node = m.source[self.far] // network.ranks_per_node
         self.to_node = m.destination[self.far] // network.ranks_per_node
-        self.node_service = network.node_gap + n_bytes[self.far] * network.node_gap_per_byte
-        self.n_nodes = n_nodes
+        in_node = n_bytes[self.far] * network.node_gap_per_byte
+        self.node_service = network.node_gap + in_node
+        self.transfer[self.far] = np.maximum(self.transfer[self.far], in_node)  # the slowest link sets the pace
 
 
 class Clock:

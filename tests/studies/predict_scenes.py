@@ -1,8 +1,18 @@
 """Meshes and contact for the tests of predictions: a block of cells that another block slides over."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
-from virtual_ranks import ContactScene, Mesh
+STUDIES = Path(__file__).resolve().parents[2] / "framework" / "studies"
+sys.path.insert(0, str(STUDIES))
+
+import cycle  # noqa: E402
+from cuts import Cuts  # noqa: E402
+from program import Program  # noqa: E402
+from recording import Moment, Recording  # noqa: E402
+from virtual_ranks import ContactScene, Mesh, share_out, share_out_contact  # noqa: E402
 
 
 def block(n_x, n_y, n_z, corner=(0.0, 0.0, 0.0), first_node=0):
@@ -45,3 +55,34 @@ def uneven_seconds(mesh, seed=1):
     """Times of elements [s] that differ: some materials cost more, and those in one corner yield."""
     chance = np.random.default_rng(seed).uniform(0.9, 1.1, len(mesh.cells))
     return 3.0e-7 * chance * np.where(mesh.centres()[:, 0] < mesh.points[:, 0].mean(), 1.4, 1.0)
+
+
+def sample_program(n, n_ranks, n_cycles, sizes=cycle.Sizes()):
+    """Cycles of two blocks cut by coordinates. In every third some elements erode."""
+    mesh, scene = two_blocks(n)
+    ranks = share_out(mesh, Cuts(mesh.centres(), np.ones(len(mesh.cells)), n_ranks).part, n_ranks)
+    share_out_contact(ranks, mesh, scene)
+    program = Program(n_ranks)
+    for k in range(n_cycles):
+        work = cycle.CycleWork(uneven_seconds(mesh, k), scene)
+        if k % 3 == 2:
+            work.eroded = np.random.default_rng(k).choice(n**3, 20, replace=False)
+            work.erosion_seconds = np.zeros(len(mesh.cells))
+            work.erosion_seconds[work.eroded] = 2.0e-6
+        cycle.add_cycle(program, ranks, mesh, work, sizes)
+    return program
+
+
+def sample_recording(n=12, n_moments=2):
+    """In the second moment a corner of the lower block has died, and what is left of it costs more."""
+    mesh, scene = two_blocks(n)
+    moments = []
+    for k in range(n_moments):
+        alive = np.ones(len(mesh.cells), dtype=bool)
+        centres = mesh.centres()
+        alive[: n**3] = ~np.all(centres[: n**3] < n / 4.0 * k, axis=1)
+        seconds = uneven_seconds(mesh, 7)[alive] * np.where(centres[alive, 1] < n / 2, 1.0 + k, 1.0)
+        moments.append(Moment(100 * k, 100, Mesh(mesh.cells[alive], mesh.points), np.flatnonzero(alive), seconds,
+                              time=1.0e-6 * k, contact=scene, n_searches=5.0, n_eroding=3.0, eroded=np.arange(10),
+                              erosion_seconds=np.full(int(alive.sum()), 1.0e-9)))
+    return Recording(moments, source="two blocks")
