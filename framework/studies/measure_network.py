@@ -19,8 +19,8 @@ class MeasurementError(Exception):
 def fit(rows: np.ndarray) -> dict[str, float]:
     """The parameters from the columns bytes, round trip, round trip of a burst, messages of a burst, send, receive.
 
-    A round trip of one message takes 2 (o_s + L + s G + o_r); each further message of a burst adds the greatest of what
-    the sender, the receiver and the card do for it.
+    A round trip of one message takes 2 (o_s + L + o_r + s (G + 2 O)); each further message of a burst adds the greatest
+    of what the sender, the receiver and the card do for it.
     """
     size, one, many, burst, sending, receiving = rows.T
 
@@ -31,12 +31,15 @@ def fit(rows: np.ndarray) -> dict[str, float]:
 
     send_overhead, send_copy = line(sending)
     receive_overhead, receive_copy = line(receiving)
-    gap, gap_per_byte = line((many - one) / (burst - 1.0))
+    gap = line((many - one) / (burst - 1.0))[0]
+    per_byte = line(0.5 * one)[1]
+    # The processors copy each byte twice, once on either side. What is left of the way of a byte is the network's.
+    copying = min(0.5 * (send_copy + receive_copy), 0.5 * per_byte)
     latency = max(0.5 * float(one[0]) - send_overhead - receive_overhead, 0.0)
     return {"latency": latency, "send_overhead": send_overhead, "receive_overhead": receive_overhead,
             # A gap below the overhead of the processor cannot be seen, and does not matter.
             "gap": gap if gap > max(send_overhead, receive_overhead) else 0.0,
-            "gap_per_byte": gap_per_byte, "overhead_per_byte": 0.5 * (send_copy + receive_copy)}
+            "gap_per_byte": per_byte - 2.0 * copying, "overhead_per_byte": copying}
 
 
 def times_of(mpirun_options: list[str]) -> np.ndarray:

@@ -90,7 +90,7 @@ def write_platform(network: Network, n_ranks: int, folder: Path) -> tuple[Path, 
     if network.ranks_per_node != 1 or network.between.gap > 0.0:
         raise Unfit("the replay has one rank per host and no gap between messages; expected ranks_per_node 1 and gap 0")
     link = network.between
-    bandwidth = 1.0 / (link.gap_per_byte * SLOWER)
+    bandwidth = 1.0 / (max(link.gap_per_byte, 1.0e-18) * SLOWER)
     rows = ['<?xml version="1.0"?>', '<!DOCTYPE platform SYSTEM "https://simgrid.org/simgrid.dtd">',
             '<platform version="4.1">',
             f'<cluster id="cluster" prefix="host" suffix="" radical="0-{n_ranks - 1}" speed="{FLOPS:.0f}f" '

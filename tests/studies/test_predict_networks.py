@@ -75,13 +75,16 @@ def test_names_that_are_not_ours():
 
 
 def test_a_fit_finds_the_parameters_that_made_the_times():
-    link = Link(latency=2.0e-6, send_overhead=0.3e-6, receive_overhead=0.5e-6, gap=1.1e-6, gap_per_byte=1.0e-9)
+    link = Link(latency=2.0e-6, send_overhead=0.3e-6, receive_overhead=0.5e-6, gap=1.1e-6, gap_per_byte=1.0e-9,
+                overhead_per_byte=0.2e-9)
     size = np.array([1.0, 64.0, 256.0, 1024.0, 3072.0])
-    one = 2.0 * (link.send_overhead + link.latency + link.receive_overhead + size * link.gap_per_byte)
+    one = 2.0 * (link.send_overhead + link.latency + link.receive_overhead + size * 1.4e-9)
     many = one + 15.0 * (link.gap + size * link.gap_per_byte)
-    rows = np.stack([size, one, many, np.full(5, 16.0), np.full(5, 0.3e-6), np.full(5, 0.5e-6)], axis=1)
+    rows = np.stack([size, one, many, np.full(5, 16.0), 0.3e-6 + size * 0.2e-9, 0.5e-6 + size * 0.2e-9],
+                    axis=1)
     found = measure_network.fit(rows)
-    for key in ("latency", "send_overhead", "receive_overhead", "gap", "gap_per_byte"):
+    for key in ("latency", "send_overhead", "receive_overhead", "gap", "gap_per_byte",
+                "overhead_per_byte"):
         # One byte counts as none.
         assert found[key] == pytest.approx(getattr(link, key), rel=2.0e-3)
 
@@ -93,4 +96,4 @@ def test_a_measurement_describes_a_network(tmp_path):
     network = read_network(path)
     one_way = network.between.latency + network.between.send_overhead + network.between.receive_overhead
     assert 1.0e-8 < one_way < 1.0e-3
-    assert 0.0 < network.between.gap_per_byte < 1.0e-6
+    assert 0.0 < network.between.gap_per_byte + network.between.overhead_per_byte < 1.0e-6
