@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from program import Messages, Program, no_messages
+from program import Messages, Program, joined, no_messages
 from virtual_ranks import ContactScene, Mesh, VirtualRanks, opened_facets
 
 PHASES = ("nodes", "rebalance", "elements", "halo", "loads", "contact_search", "contact_forces", "erosion")
@@ -16,10 +16,13 @@ PHASES = ("nodes", "rebalance", "elements", "halo", "loads", "contact_search", "
 class Sizes:
     """What travels per item [bytes], and how often. The files of Kerf where each number comes from are named."""
     force: int = 24  # model/copies.cpp: three sums of 8 bytes
-    reduction: int = 96  # dynamics/simulation.cpp: StepReduction
-    flight: int = 56  # contact/engine.cpp, pull: position with held axes, and velocity
-    share: int = 24  # contact/impacts.hpp: MassSplit::width sums of 8 bytes
-    impulse: int = 32  # contact/engine.cpp: rows of four
+    reduction: int = 112  # dynamics/agreement.hpp: StepReduction, and the note of one contact definition
+    state: int = 64  # contact/channel.hpp: state_width numbers, of position, velocity and mass
+    told: int = 32  # contact/channel.cpp: active_width numbers, the place of a node and its shares
+    share: int = 24  # contact/channel.hpp: share_width numbers
+    impulse: int = 24  # contact/engine.cpp, push_velocities: three sums
+    load: int = 32  # contact/engine.cpp, Exchange::add_up: four sums
+    request: int = 8  # contact/channel.cpp, request: an id
     agreement: int = 8  # contact/engine.cpp: greatest(...)
     live_count: int = 8  # erosion/neighbourhood.cpp
     alive_flag: int = 8  # model/surface.cpp
@@ -48,7 +51,7 @@ class CycleWork:
     erosion_seconds: np.ndarray | None = None  # for each element [s]
     eroded: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # elements
     rounds: int = 12  # of impacts
-    agreements: int = 1  # reductions of contact: is a search due, is it accurate enough
+    agreements: int = 0  # reductions of contact besides the one of the step
     searches: bool = False
     moved: Messages | None = None  # elements that change their owners, in a cycle that re-balances
 
@@ -98,25 +101,40 @@ def add_sum_over_copies(program: Program, phase: str, halo: Messages, item_bytes
 
 
 def add_contact(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Sizes, rates: Rates) -> None:
-    pull = ranks.contact_pull
+    held, active = ranks.contact_pull, ranks.contact_active
     if work.searches:
-        program.compute("contact_search", ranks.sum_over_slaves(work.contact.search_seconds))
-        program.all_to_all_v("contact_search", ranks.contact_slaves, sizes.slave_record)
-        program.all_to_all_v("contact_search", ranks.contact_facets, sizes.facet_record)
+        add_search(program, ranks, work, sizes, rates)
     for _ in range(work.agreements):
         program.allreduce("contact_search", sizes.agreement)
     # Touches, then as much again for each round.
     step = ranks.sum_over_slaves(work.contact.force_seconds) / (work.rounds + 1)
-    add_push(program, "contact_forces", pull, sizes.flight, rates)
+    add_push(program, "contact_forces", held, sizes.state, rates)
     program.compute("contact_forces", step)
-    add_push(program, "contact_forces", answers(pull), sizes.share, rates)
-    add_push(program, "contact_forces", pull, sizes.share, rates)
-    for _ in range(work.rounds):
+    add_push(program, "contact_forces", ranks.contact_told, sizes.told, rates)
+    add_push(program, "contact_forces", active, sizes.share, rates)
+    for k in range(work.rounds):
+        if k > 0:
+            add_sum(program, active, sizes.impulse, rates)
+        if k % 3 == 0:
+            add_sum(program, active, sizes.load, rates)
         program.compute("contact_forces", step)
-        add_push(program, "contact_forces", answers(pull), sizes.impulse, rates)
-        add_push(program, "contact_forces", pull, sizes.impulse, rates)
-    add_push(program, "contact_forces", answers(pull), sizes.force, rates)
+    add_push(program, "contact_forces", answers(active), sizes.force, rates)
     add_push(program, "halo", answers(ranks.halo), sizes.force, rates)
+
+
+def add_sum(program: Program, active: Messages, item_bytes: int, rates: Rates) -> None:
+    """To the owners, and back to all who look at the nodes."""
+    add_push(program, "contact_forces", answers(active), item_bytes, rates)
+    add_push(program, "contact_forces", active, item_bytes, rates)
+
+
+def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Sizes, rates: Rates) -> None:
+    """Records go to the ranks of contact, which look for candidates, ask for their nodes and tell their number."""
+    records = joined(ranks.contact_slaves, sizes.slave_record, ranks.contact_facets, sizes.facet_record)
+    program.consensus("contact_search", records, 1)
+    program.compute("contact_search", ranks.sum_over_slaves(work.contact.search_seconds))
+    for _ in range(2):
+        add_push(program, "contact_search", answers(ranks.contact_pull), sizes.request, rates)
 
 
 def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork, sizes: Sizes,

@@ -43,6 +43,16 @@ def no_messages() -> Messages:
     return Messages([], [], [])
 
 
+def joined(first: Messages, first_bytes: int, second: Messages, second_bytes: int) -> Messages:
+    """One message where both have one, with all their bytes as its items."""
+    n_ranks = 1 + max((int(v.max()) for m in (first, second) for v in (m.source, m.destination) if len(v)), default=0)
+    keys = np.concatenate([m.source * n_ranks + m.destination for m in (first, second)])
+    n_bytes = np.concatenate([first.items * first_bytes, second.items * second_bytes])
+    different, place = np.unique(keys, return_inverse=True)
+    total = np.bincount(place, weights=n_bytes, minlength=len(different)).astype(np.int64)
+    return Messages(different // n_ranks, different % n_ranks, total)
+
+
 @dataclass(frozen=True, eq=False)
 class Compute:
     """Each rank works for its own time [s]."""

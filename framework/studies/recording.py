@@ -33,7 +33,7 @@ class Moment:
     load_seconds: np.ndarray | None = None  # for each element [s]
     erosion_seconds: np.ndarray | None = None  # for each element, of a cycle with erosion [s]
     rounds: float = 12.0  # of impacts in a cycle, the mean
-    agreements: float = 1.0  # reductions of contact in a cycle, the mean
+    agreements: float = 0.0  # reductions of contact in a cycle besides the one of the step, the mean
     n_searches: float = 0.0  # in all cycles together
     n_eroding: float = 0.0  # cycles in which elements erode
     eroded: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # places of those in one of them
@@ -50,7 +50,7 @@ class Recording:
 
 MOMENT_ARRAYS = ("element", "element_seconds", "load_seconds", "erosion_seconds", "eroded")
 MOMENT_NUMBERS = ("cycle", "n_cycles", "time", "rounds", "agreements", "n_searches", "n_eroding")
-CONTACT_ARRAYS = ("slaves", "facets", "pair_slave", "pair_facet", "search_seconds", "force_seconds")
+CONTACT_ARRAYS = ("slaves", "facets", "pair_slave", "pair_facet", "pair_touches", "search_seconds", "force_seconds")
 
 
 def write_recording(path: Path, recording: Recording) -> None:
@@ -124,6 +124,9 @@ def check(recording: Recording, name: str) -> None:
             if len(getattr(c, key)) != len(c.slaves):
                 errors.append(f"moment {k}: {len(getattr(c, key))} values of {key} for {len(c.slaves)} slaves; expected "
                               "one for each")
+        if not len(c.pair_slave) == len(c.pair_facet) == len(c.pair_touches):
+            errors.append(f"moment {k}: {len(c.pair_slave)} slaves, {len(c.pair_facet)} facets and "
+                          f"{len(c.pair_touches)} touches of pairs; expected as many of each")
         if n == 0 or m.n_cycles < 1:
             errors.append(f"moment {k}: {n} elements in {m.n_cycles} cycles; expected at least one of each")
     if errors:

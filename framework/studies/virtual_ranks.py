@@ -35,13 +35,14 @@ class ContactScene:
     facets: np.ndarray  # (facets, 4): numbers of nodes
     pair_slave: np.ndarray  # for each pair: a place in `slaves`
     pair_facet: np.ndarray  # and in `facets`
+    pair_touches: np.ndarray  # whether the two touch
     search_seconds: np.ndarray  # for each slave: its share of one search [s]
     force_seconds: np.ndarray  # for each slave: touches and rounds of one cycle [s]
 
 
 def no_contact() -> ContactScene:
     none = np.zeros(0, dtype=np.int64)
-    return ContactScene(none, np.zeros((0, 4), dtype=np.int64), none, none, np.zeros(0), np.zeros(0))
+    return ContactScene(none, np.zeros((0, 4), dtype=np.int64), none, none, none.astype(bool), np.zeros(0), np.zeros(0))
 
 
 def unique_pairs(first, second, n_second: int) -> tuple[np.ndarray, np.ndarray]:
@@ -84,6 +85,8 @@ class VirtualRanks:
     contact_rank: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # of slaves
     contact_nodes: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # that each rank needs
     contact_pull: Messages = field(default_factory=no_messages)  # nodes from their owners to ranks of contact
+    contact_told: Messages = field(default_factory=no_messages)  # back, of these the nodes that touch; perhaps none
+    contact_active: Messages = field(default_factory=no_messages)  # nodes that touch, from their owners
     contact_slaves: Messages = field(default_factory=no_messages)  # records of slaves at a search
     contact_facets: Messages = field(default_factory=no_messages)  # records of facets at a search
     cuts: Cuts | None = None  # of the space of contact
@@ -129,6 +132,20 @@ def match_faces(cells: np.ndarray, owners: np.ndarray, shared: np.ndarray, n_ran
     return count_messages(np.concatenate([a, b]), np.concatenate([b, a]), n_ranks)
 
 
+def nodes_of_pairs(scene: ContactScene, at: np.ndarray, chosen: np.ndarray, n_nodes: int):
+    """The different nodes of the chosen pairs on each rank: ranks, and nodes."""
+    nodes = [scene.slaves[scene.pair_slave[chosen]], *scene.facets[scene.pair_facet[chosen]].T]
+    return unique_pairs(np.tile(at[chosen], len(nodes)), np.concatenate(nodes), n_nodes)
+
+
+def with_items_of(messages: Messages, other: Messages, n_ranks: int) -> Messages:
+    """The messages between the same ranks, with as many items as the other messages have, which may be none."""
+    keys, others = messages.source * n_ranks + messages.destination, other.source * n_ranks + other.destination
+    items = np.zeros(len(keys), dtype=np.int64)
+    items[np.searchsorted(keys, others)] = other.items
+    return Messages(messages.source, messages.destination, items)
+
+
 def share_out_contact(ranks: VirtualRanks, mesh: Mesh, scene: ContactScene, space: str = "rcb",
                       cuts: Cuts | None = None) -> None:
     """Gives slaves to ranks, and finds what they need of others.
@@ -147,10 +164,12 @@ def share_out_contact(ranks: VirtualRanks, mesh: Mesh, scene: ContactScene, spac
     else:
         raise ValueError(f"a contact space `{space}`; expected rcb or owners")
     at = ranks.contact_rank[scene.pair_slave]
-    nodes = [slaves[scene.pair_slave], *scene.facets[scene.pair_facet].T]
-    rank, node = unique_pairs(np.tile(at, len(nodes)), np.concatenate(nodes), len(mesh.points))
+    rank, node = nodes_of_pairs(scene, at, np.ones(len(at), dtype=bool), len(mesh.points))
     ranks.contact_nodes = np.bincount(rank, minlength=n)
     ranks.contact_pull = count_messages(ranks.owner_of_node[node], rank, n)
+    rank, node = nodes_of_pairs(scene, at, scene.pair_touches.astype(bool), len(mesh.points))
+    ranks.contact_active = count_messages(ranks.owner_of_node[node], rank, n)
+    ranks.contact_told = with_items_of(ranks.contact_pull.back(), ranks.contact_active.back(), n)
     ranks.contact_slaves = count_messages(ranks.owner_of_node[slaves], ranks.contact_rank, n)
     rank, facet = unique_pairs(at, scene.pair_facet, max(len(scene.facets), 1))
     ranks.contact_facets = count_messages(ranks.owner_of_node[scene.facets[facet, 0]], rank, n)

@@ -46,7 +46,8 @@ def two_blocks(n):
     slaves = np.concatenate([foot, top])
     pair_slave, pair_facet = np.concatenate(slave), np.concatenate(facet)
     touching = np.bincount(pair_slave, minlength=len(slaves)) > 0
-    scene = ContactScene(slaves, facets, pair_slave, pair_facet, np.full(len(slaves), 5.0e-7),
+    below_it = pair_facet == (cell[:, 0] + n * cell[:, 1])[pair_slave]
+    scene = ContactScene(slaves, facets, pair_slave, pair_facet, below_it, np.full(len(slaves), 5.0e-7),
                          np.where(touching, 8.0e-7, 5.0e-8))
     return mesh, scene
 

@@ -5,7 +5,8 @@ import pytest
 from predict_scenes import sample_program
 
 from loggp import Clock, Link, Network, ideal, serve
-from program import Messages, Program, dissemination, recursive_doubling, reduce_and_broadcast
+from program import (Messages, Program, dissemination, joined, no_messages, recursive_doubling,
+                     reduce_and_broadcast)
 
 LINK = Link(latency=1.0e-6, send_overhead=0.3e-6, receive_overhead=0.4e-6, gap=0.2e-6, gap_per_byte=1.0e-9,
             overhead_per_byte=0.1e-9)
@@ -209,6 +210,12 @@ def test_the_phases_of_a_rank_add_up_to_its_time():
     clock = Clock(NETWORK, 32)
     end = clock.run(sample_program(8, 32, 3))
     np.testing.assert_allclose(np.sum(list(clock.spent.values()), axis=0), end, rtol=1e-12)
+
+
+def test_messages_that_travel_together_have_the_bytes_of_both():
+    both = joined(Messages([0, 1], [1, 2], [2, 3]), 10, Messages([1, 2], [2, 0], [4, 5]), 100)
+    assert list(zip(both.source, both.destination, both.items)) == [(0, 1, 20), (1, 2, 430), (2, 0, 500)]
+    assert len(joined(no_messages(), 1, no_messages(), 1)) == 0
 
 
 def test_messages_to_oneself_and_twice_to_another_are_refused():

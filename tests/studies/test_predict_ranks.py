@@ -81,6 +81,14 @@ def test_contact_needs_the_nodes_of_its_pairs(shared, space):
             if ranks.owner_of_node[node] != rank:
                 pull[(int(ranks.owner_of_node[node]), rank)] += 1
     assert as_counter(ranks.contact_pull) == pull
+    active = Counter()
+    touching = defaultdict(set)
+    for slave, facet in zip(scene.pair_slave[scene.pair_touches], scene.pair_facet[scene.pair_touches]):
+        touching[int(ranks.contact_rank[slave])] |= {int(scene.slaves[slave]), *map(int, scene.facets[facet])}
+    for rank, nodes in touching.items():
+        active.update((int(ranks.owner_of_node[node]), rank) for node in nodes if ranks.owner_of_node[node] != rank)
+    assert as_counter(ranks.contact_active) == active
+    assert as_counter(ranks.contact_told) == {(h, o): active[(o, h)] for o, h in pull}
     if space == "owners":
         np.testing.assert_array_equal(ranks.contact_rank, ranks.owner_of_node[scene.slaves])
 

@@ -68,7 +68,7 @@ def test_ten_cycles_on_many_ranks(n_ranks, network, tmp_path):
 def test_messages_a_hundred_times_as_long(limit, tmp_path):
     """Bytes bound the time: SMPI shares links between messages, the model sends one after the other."""
     network = Network("Ethernet", ETHERNET.between, eager_limit=limit, envelope=ENVELOPE)
-    long = Sizes(force=2400, flight=5600, share=2400, impulse=3200)
+    long = Sizes(force=2400, state=6400, told=3200, share=2400, impulse=2400, load=3200)
     assert compare(sample_program(24, 64, 3, long), network, tmp_path) == pytest.approx(1.0, abs=0.12)
 
 
