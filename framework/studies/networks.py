@@ -80,7 +80,8 @@ def read_network(path: Path) -> Network:
                            "network") from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
-        raise NetworkError(f"{path}:{mark.line + 1}:{mark.column + 1}: error: {error.problem}; expected YAML") from error
+        place = f"{path}:{mark.line + 1}:{mark.column + 1}"
+        raise NetworkError(f"{place}: error: {error.problem}; expected YAML") from error
     if root is None:
         raise NetworkError(f"{path}: error: the file is empty; expected a description of a network")
     found = reader.items(root, KEYS, "the network")
@@ -101,8 +102,8 @@ def read_network(path: Path) -> Network:
         if key in found:
             values[key] = found[key].value
     if values.get("ranks_per_node", 1) > 1 and "inside" not in found:
-        reader.wrong(root, "a node has several ranks, but there is no key `inside`; expected the parameters of messages "
-                     "inside a node")
+        reader.wrong(root, "a node has several ranks, but there is no key `inside`; expected the parameters of "
+                     "messages inside a node")
     if reader.errors:
         raise NetworkError("\n".join(f"{path}:{line}:{column}: error: {text}"
                                      for line, column, text in sorted(reader.errors)))

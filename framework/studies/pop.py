@@ -36,7 +36,8 @@ def factors(useful, runtime: float, ideal_runtime: float | None = None, referenc
     """The factors of one run.
 
     `useful`: time that each rank computes [s]. `runtime`: of the whole [s]. `ideal_runtime`: on a network whose
-    messages take no time [s]. `reference_useful`: sum of the useful times of the run that this one is compared with [s].
+    messages take no time [s]. `reference_useful`: sum of the useful times of the run that this one is compared with
+    [s].
 
     load balance = mean / greatest useful time; communication efficiency = greatest useful time / run time; parallel
     efficiency = their product; serialisation = greatest useful time / ideal run time; transfer = ideal run time / run

@@ -64,9 +64,9 @@ def arguments(argv: list[str]) -> argparse.Namespace:
                         "(default: never)")
     parser.add_argument("--contact-space", choices=("rcb", "owners"), default="rcb",
                         help="contact has its own decomposition, or follows the elements (default: %(default)s)")
-    parser.add_argument("--output", type=Path, help="folder of the tables and pictures (default: the folder of the run)")
-    parser.add_argument("--measure-network", type=Path, metavar="FILE", help="measure the network between two ranks, and "
-                        "write its description")
+    parser.add_argument("--output", type=Path, help="folder of tables and pictures (default: the folder of the run)")
+    parser.add_argument("--measure-network", type=Path, metavar="FILE", help="measure the network between two ranks, "
+                        "and write its description")
     parser.add_argument("--mpirun-option", action="append", default=[], help="of mpirun for the measurement, as "
                         "--mpirun-option=--host=a,b")
     return parser.parse_args(argv)
@@ -137,7 +137,8 @@ def run(args: argparse.Namespace) -> None:
     recording = read_recording(path)
     rows = predict_all(recording, args, networks)
     if not rows:
-        raise OptionError("--ranks: error: every number of ranks is greater than that of elements; expected fewer ranks")
+        raise OptionError("--ranks: error: every number of ranks is greater than that of elements; expected fewer "
+                          "ranks")
     folder = args.output or path.parent
     folder.mkdir(parents=True, exist_ok=True)
     write_tables(rows, folder, {"recording": str(path), "source": recording.source,

@@ -50,13 +50,14 @@ class FilePartitions:
             states = sorted((float(group.attrs["time"]), name) for name, group in file.items() if "time" in group.attrs)
             fitting = [name for time, name in states if time <= state.time * (1.0 + 1e-9)]
             if not fitting:
-                raise PartitionError(f"{self.path}: error: there is no state at or before {state.time:g} s; expected one")
+                raise PartitionError(f"{self.path}: error: there is no state at or before {state.time:g} s; expected "
+                                     "one")
             methods = file[fitting[-1]]
             key = f"{self.name}/{n_ranks}"
             if key not in methods:
                 known = ", ".join(f"{m}/{k}" for m in methods for k in methods[m])
-                raise PartitionError(f"{self.path}: error: the state {fitting[-1]} has no partition {key}; expected one "
-                                     f"of {known}")
+                raise PartitionError(f"{self.path}: error: the state {fitting[-1]} has no partition {key}; expected "
+                                     f"one of {known}")
             parts = methods[key][:].astype(np.int64)
         if state.element.max() >= len(parts):
             raise PartitionError(f"{self.path}: error: {len(parts)} elements; expected those of the run, which has an "

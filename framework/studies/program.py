@@ -1,7 +1,7 @@
 """What virtual ranks do, one step after the other: compute, exchange messages, reduce. No clock in here.
 
-A program is a list of steps. `loggp.Clock` advances the clocks of the ranks through it; `simgrid.write_traces` writes
-it down for another engine. Both read the same program, so they can be compared.
+A program is a list of steps. `loggp.Clock` advances the clocks of the ranks through it; `simgrid_replay.write_traces`
+writes it down for another engine. Both read the same program, so they can be compared.
 """
 
 from __future__ import annotations

@@ -86,7 +86,8 @@ def read_recording(path: Path) -> Recording:
             recording = Recording(moments, float(file.attrs["node_seconds"]), int(file.attrs["record_bytes"]),
                                   str(file.attrs["source"]))
     except OSError as error:
-        raise RecordingError(f"{path}: error: the file cannot be read: {error}; expected a recording in HDF5") from error
+        raise RecordingError(f"{path}: error: the file cannot be read: {error}; expected a recording in "
+                             "HDF5") from error
     except KeyError as error:
         raise RecordingError(f"{path}: error: {error.args[0]}; expected a whole recording") from error
     check(recording, str(path))
@@ -116,14 +117,15 @@ def check(recording: Recording, name: str) -> None:
             elif values is not None and key.endswith("seconds") and not np.all(values >= 0.0):
                 errors.append(f"moment {k}: a value of {key} is negative or not a number; expected at least 0 s")
         for what, values, limit in (("a node of a cell", m.mesh.cells, n_nodes), ("a slave", c.slaves, n_nodes),
-                                    ("a node of a facet", c.facets, n_nodes), ("pair_slave", c.pair_slave, len(c.slaves)),
+                                    ("a node of a facet", c.facets, n_nodes),
+                                    ("pair_slave", c.pair_slave, len(c.slaves)),
                                     ("pair_facet", c.pair_facet, len(c.facets)), ("an eroded element", m.eroded, n)):
             if values.size and not 0 <= values.min() <= values.max() < limit:
                 errors.append(f"moment {k}: {what} is {values.max()}; expected a number from 0 to {limit - 1}")
         for key in ("search_seconds", "force_seconds"):
             if len(getattr(c, key)) != len(c.slaves):
-                errors.append(f"moment {k}: {len(getattr(c, key))} values of {key} for {len(c.slaves)} slaves; expected "
-                              "one for each")
+                errors.append(f"moment {k}: {len(getattr(c, key))} values of {key} for {len(c.slaves)} slaves; "
+                              "expected one for each")
         if not len(c.pair_slave) == len(c.pair_facet) == len(c.pair_touches):
             errors.append(f"moment {k}: {len(c.pair_slave)} slaves, {len(c.pair_facet)} facets and "
                           f"{len(c.pair_touches)} touches of pairs; expected as many of each")

@@ -17,8 +17,8 @@ from recording import RecordingError, check, read_recording, write_recording
 
 
 def predict(*arguments):
-    return subprocess.run([sys.executable, "-B", str(STUDIES / "predict.py"), *map(str, arguments)], capture_output=True,
-                          text=True, check=False)
+    return subprocess.run([sys.executable, "-B", str(STUDIES / "predict.py"), *map(str, arguments)],
+                          capture_output=True, text=True, check=False)
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +37,8 @@ def test_a_prediction_writes_tables_and_pictures(run_folder, tmp_path):
     assert len(rows) == 2 * 2 * 3
     assert {int(r["ranks"]) for r in rows} == {2, 4, 8}
     for row in rows:
-        product = float(row["load_balance"]) * float(row["serialisation_efficiency"]) * float(row["transfer_efficiency"])
-        assert float(row["parallel_efficiency"]) == pytest.approx(product)
+        communication = float(row["serialisation_efficiency"]) * float(row["transfer_efficiency"])
+        assert float(row["parallel_efficiency"]) == pytest.approx(float(row["load_balance"]) * communication)
         assert float(row["efficiency"]) == pytest.approx(float(row["speed_up"]) / int(row["ranks"]))
         assert 0.0 < float(row["efficiency"]) <= 1.0
         phases = sum(float(v) for k, v in row.items() if v and k.startswith("seconds_") and k != "seconds_per_cycle")

@@ -1,4 +1,4 @@
-"""The clocks of virtual ranks: closed forms of the LogGP model, and an engine that takes one message after the other."""
+"""The clocks of virtual ranks: closed forms of the LogGP model, and an engine that loops over messages."""
 
 import numpy as np
 import pytest

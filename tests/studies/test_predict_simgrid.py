@@ -7,7 +7,7 @@ agree within 0.2 %. With messages of megabytes the two models are different ones
 import pytest
 from predict_scenes import sample_program
 
-import simgrid
+import simgrid_replay as simgrid
 from cycle import Sizes
 from loggp import Clock, Link, Network
 from program import Messages, Program
@@ -36,8 +36,8 @@ def test_one_message(n_bytes, tmp_path):
 
 
 def test_one_long_message_waits_for_its_receiver(tmp_path):
-    """SMPI has no overhead of a receive whose sender waited, which makes 3.5 %. Both ranks come at once: SMPI begins with
-    the request to send when both are there, and the model when the sender is."""
+    """SMPI has no overhead of a receive whose sender waited, which makes 3.5 %. Both ranks come at once: SMPI begins
+    with the request to send when both are there, and the model when the sender is."""
     program = Program(2)
     program.exchange("halo", Messages([0], [1], [1]), 100000)
     assert compare(program, INFINIBAND, tmp_path) == pytest.approx(1.0, abs=0.05)

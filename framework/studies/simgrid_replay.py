@@ -94,7 +94,8 @@ def write_platform(network: Network, n_ranks: int, folder: Path) -> tuple[Path, 
     rows = ['<?xml version="1.0"?>', '<!DOCTYPE platform SYSTEM "https://simgrid.org/simgrid.dtd">',
             '<platform version="4.1">',
             f'<cluster id="cluster" prefix="host" suffix="" radical="0-{n_ranks - 1}" speed="{FLOPS:.0f}f" '
-            f'bw="{bandwidth:.6e}Bps" lat="{link.latency * SLOWER / 2.0:.6e}s" sharing_policy="SPLITDUPLEX"/>', "</platform>", ""]
+            f'bw="{bandwidth:.6e}Bps" lat="{link.latency * SLOWER / 2.0:.6e}s" sharing_policy="SPLITDUPLEX"/>',
+            "</platform>", ""]
     platform, hosts = folder / "platform.xml", folder / "hosts.txt"
     platform.write_text("\n".join(rows))
     hosts.write_text("".join(f"host{r}\n" for r in range(n_ranks)))
