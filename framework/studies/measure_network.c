@@ -2,13 +2,15 @@
 //
 // After T. Hoefler, A. Lichei & W. Rehm, "Low-overhead LogGP parameter assessment for modern interconnection networks",
 // IPDPS 2007. Prints one line per size: bytes, round trip of one message, round trip of a burst and one answer, send,
-// receive of a message that is there already; all in seconds, each the second percentile of many.
+// receive of a message that is there already; all in seconds, each the second percentile of many. The one argument, if
+// there is one, says of how many; at most 2000.
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { repeats = 2000, burst = 16, tag = 1, largest = 3072 };  // below the eager limits of Open MPI
+enum { most_repeats = 2000, burst = 16, tag = 1, largest = 3072 };  // below the eager limits of Open MPI
 
+static int repeats = most_repeats;
 static char buffer[largest];
 
 static void send_to(int rank, int bytes) { MPI_Send(buffer, bytes, MPI_BYTE, rank, tag, MPI_COMM_WORLD); }
@@ -29,7 +31,7 @@ static double undisturbed(double* times) {
 
 // Of `n` messages there and one back.
 static double round_trip(int rank, int bytes, int n) {
-  static double times[repeats];
+  static double times[most_repeats];
   for (int i = 0; i < repeats; ++i) {
     const double start = MPI_Wtime();
     if (rank == 0) {
@@ -45,7 +47,7 @@ static double round_trip(int rank, int bytes, int n) {
 }
 
 static double clock_cost(void) {
-  static double times[repeats];
+  static double times[most_repeats];
   for (int i = 0; i < repeats; ++i) {
     const double start = MPI_Wtime();
     times[i] = MPI_Wtime() - start;
@@ -55,7 +57,7 @@ static double clock_cost(void) {
 
 // Of a send, and of a receive that begins `pause` after it, when the answer has come.
 static void overheads(int rank, int bytes, double pause, double* send, double* receive) {
-  static double sent[repeats], received[repeats];
+  static double sent[most_repeats], received[most_repeats];
   for (int i = 0; i < repeats; ++i) {
     if (rank != 0) {
       receive_from(0, bytes);
@@ -87,6 +89,7 @@ int main(int argc, char** argv) {
     MPI_Finalize();
     return 2;
   }
+  if (argc > 1 && atoi(argv[1]) > 0 && atoi(argv[1]) < most_repeats) repeats = atoi(argv[1]);
   round_trip(rank, 1, 1);  // warms up
   const int sizes[] = {1, 64, 256, 512, 1024, 2048, 3072};
   for (unsigned k = 0; k < sizeof sizes / sizeof sizes[0]; ++k) {

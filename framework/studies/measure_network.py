@@ -42,7 +42,7 @@ def fit(rows: np.ndarray) -> dict[str, float]:
             "gap_per_byte": per_byte - 2.0 * copying, "overhead_per_byte": copying}
 
 
-def times_of(mpirun_options: list[str]) -> np.ndarray:
+def times_of(mpirun_options: list[str], repeats: int) -> np.ndarray:
     """Runs the program on two ranks."""
     for tool in ("mpicc", "mpirun"):
         if shutil.which(tool) is None:
@@ -50,7 +50,7 @@ def times_of(mpirun_options: list[str]) -> np.ndarray:
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "measure_network"
         commands = (["mpicc", "-O2", "-o", str(program), str(SOURCE)],
-                    ["mpirun", *mpirun_options, "-n", "2", str(program)])
+                    ["mpirun", *mpirun_options, "-n", "2", str(program), str(repeats)])
         for command in commands:
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode != 0:
@@ -66,8 +66,8 @@ def describe(found: dict[str, float], name: str) -> str:
     return "\n".join([*lines, ""])
 
 
-def measure(file: Path, mpirun_options: list[str]) -> dict[str, float]:
+def measure(file: Path, mpirun_options: list[str], repeats: int = 2000) -> dict[str, float]:
     """Measures, and writes the description to a file."""
-    found = fit(times_of(mpirun_options))
+    found = fit(times_of(mpirun_options, repeats))
     file.write_text(describe(found, f"measured network {file.stem}"))
     return found

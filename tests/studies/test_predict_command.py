@@ -40,6 +40,7 @@ def test_a_prediction_writes_tables_and_pictures(run_folder, tmp_path):
         communication = float(row["serialisation_efficiency"]) * float(row["transfer_efficiency"])
         assert float(row["parallel_efficiency"]) == pytest.approx(float(row["load_balance"]) * communication)
         assert float(row["efficiency"]) == pytest.approx(float(row["speed_up"]) / int(row["ranks"]))
+        assert float(row["global_efficiency"]) == pytest.approx(float(row["efficiency"]))
         assert 0.0 < float(row["efficiency"]) <= 1.0
         phases = sum(float(v) for k, v in row.items() if v and k.startswith("seconds_") and k != "seconds_per_cycle")
         # Ranks leave a cycle at different times: their mean is a little before the last.
