@@ -16,6 +16,9 @@ import program as prog
 from program import Messages
 
 
+MOST_LINEAR = 512  # ranks, for which every message of a linear all-to-all is followed
+
+
 @dataclass(frozen=True)
 class Link:
     """The LogGP parameters of one kind of way between two ranks."""
@@ -155,6 +158,7 @@ class Clock:
         self.node_out, self.node_in = np.zeros(n_nodes), np.zeros(n_nodes)
         self.ways: dict[tuple[int, int], tuple[Messages, Way]] = {}
         self.rounds: dict[str, list[Messages]] = {}
+        self.counts: list[tuple[Messages, int]] | None = None
 
     def run(self, program: prog.Program) -> np.ndarray:
         """Runs the steps; returns the clocks at the end."""
@@ -263,33 +267,28 @@ class Clock:
         """Counts by the algorithm of Bruck, then data: pairwise, where every rank meets every other, or all at once."""
         if self.n_ranks == 1:
             return
-        for bit, rounds in enumerate(self.rounds_of("dissemination")):
-            blocks = int(np.count_nonzero(np.arange(self.n_ranks) >> bit & 1))
-            self.exchange(rounds, 4 * blocks)
+        if self.counts is None:
+            self.counts = prog.counts_by_bruck(self.n_ranks)
+        for rounds, n_bytes in self.counts:
+            self.exchange(rounds, n_bytes)
         if self.network.all_to_all_of(self.n_ranks) == "linear":
-            self.exchange(messages, item_bytes)
-            self.empty_messages(messages)
-        else:
-            self.pairwise(messages, item_bytes)
-
-    def empty_messages(self, messages: Messages) -> None:
-        """The messages without content that a linear all-to-all sends to all others: overheads, and one last wait."""
-        link = self.network.between
-        to_send = self.n_ranks - 1 - np.bincount(messages.source, minlength=self.n_ranks)
-        to_take = self.n_ranks - 1 - np.bincount(messages.destination, minlength=self.n_ranks)
-        sent = self.time + to_send * link.send_overhead
-        self.time = np.maximum(sent + to_take * link.receive_overhead,
-                               sent.max() + link.latency + link.receive_overhead)
-
-    def pairwise(self, messages: Messages, item_bytes: int) -> None:
-        """Step k: to the rank k ahead, from the rank k behind."""
-        ranks = np.arange(self.n_ranks)
-        distance = (messages.destination - messages.source) % self.n_ranks
-        order = np.argsort(distance, kind="stable")
-        at = np.searchsorted(distance[order], np.arange(1, self.n_ranks + 1))
-        for step in range(1, self.n_ranks):
-            items = np.zeros(self.n_ranks, dtype=np.int64)
-            some = order[at[step - 1]:at[step]]
-            items[messages.source[some]] = messages.items[some]
-            pairs = Messages(ranks, (ranks + step) % self.n_ranks, items)
+            self.linear(messages, item_bytes)
+            return
+        for pairs in prog.pairwise(messages, self.n_ranks):
             self.carry(Way(self.network, self.n_ranks, pairs, item_bytes))
+
+    def linear(self, messages: Messages, item_bytes: int) -> None:
+        """A message from everybody to everybody, most of them empty."""
+        if self.n_ranks <= MOST_LINEAR:
+            self.carry(Way(self.network, self.n_ranks, prog.to_all(messages, self.n_ranks), item_bytes))
+            return
+        # The greatest of three bounds: messages with items alone, the processor's work, and the last message of all.
+        start, link = self.time, self.network.between
+        self.exchange(messages, item_bytes)
+        n_bytes = messages.items * item_bytes * link.overhead_per_byte
+        copying = sum(np.bincount(side, weights=n_bytes, minlength=self.n_ranks)
+                      for side in (messages.source, messages.destination))
+        others = self.n_ranks - 1
+        busy = start + others * (link.send_overhead + link.receive_overhead) + copying
+        last = start.max() + others * link.send_overhead + link.latency + link.receive_overhead
+        self.time = np.maximum(np.maximum(self.time, busy), last)

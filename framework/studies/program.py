@@ -6,6 +6,7 @@ writes it down for another engine. Both read the same program, so they can be co
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -152,3 +153,31 @@ def dissemination(n_ranks: int) -> list[Messages]:
     ranks = np.arange(n_ranks)
     return [Messages(ranks, (ranks + (1 << bit)) % n_ranks, np.ones(n_ranks))
             for bit in range((n_ranks - 1).bit_length())]
+
+
+def counts_by_bruck(n_ranks: int) -> list[tuple[Messages, int]]:
+    """The rounds of an all-to-all of one count of four bytes, and the bytes of each message."""
+    ranks = np.arange(n_ranks)
+    return [(messages, 4 * int(np.count_nonzero(ranks >> bit & 1)))
+            for bit, messages in enumerate(dissemination(n_ranks))]
+
+
+def pairwise(messages: Messages, n_ranks: int) -> Iterator[Messages]:
+    """The steps of an all-to-all: in step k to the rank k ahead, from the rank k behind, with or without items."""
+    ranks = np.arange(n_ranks)
+    distance = (messages.destination - messages.source) % n_ranks
+    order = np.argsort(distance, kind="stable")
+    at = np.searchsorted(distance[order], np.arange(1, n_ranks + 1))
+    for step in range(1, n_ranks):
+        items = np.zeros(n_ranks, dtype=np.int64)
+        some = order[at[step - 1]:at[step]]
+        items[messages.source[some]] = messages.items[some]
+        yield Messages(ranks, (ranks + step) % n_ranks, items)
+
+
+def to_all(messages: Messages, n_ranks: int) -> Messages:
+    """A message from every rank to every other, most of them without items."""
+    items = np.zeros((n_ranks, n_ranks), dtype=np.int64)
+    items[messages.source, messages.destination] = messages.items
+    source, destination = np.nonzero(~np.eye(n_ranks, dtype=bool))
+    return Messages(source, destination, items[source, destination])

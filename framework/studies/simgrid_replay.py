@@ -48,6 +48,16 @@ class Traces:
         for r in np.union1d(messages.source, messages.destination):
             self.lines[r].append(f"{r} waitall")
 
+    def all_to_all_v(self, messages: prog.Messages, item_bytes: int, algorithm: str) -> None:
+        n_ranks = len(self.lines)
+        for rounds, n_bytes in prog.counts_by_bruck(n_ranks):
+            self.exchange(rounds, n_bytes)
+        if algorithm == "linear":
+            self.exchange(prog.to_all(messages, n_ranks), item_bytes)
+            return
+        for pairs in prog.pairwise(messages, n_ranks):
+            self.exchange(pairs, item_bytes)
+
     def compute(self, seconds: np.ndarray) -> None:
         for r, t in enumerate(seconds):
             if t > 0.0:
@@ -74,8 +84,8 @@ def write_traces(program: prog.Program, network: Network, folder: Path) -> Path:
                 t.exchange(messages.back(), 0)  # the acknowledgement of a synchronous send
                 for messages in barrier:
                     t.exchange(messages, 1)
-            case _:
-                raise Unfit(f"the step {type(step).__name__} has no trace; expected any but an all-to-all")
+            case prog.AllToAllV(_, messages, item_bytes):
+                t.all_to_all_v(messages, item_bytes, network.all_to_all_of(program.n_ranks))
     names = []
     for r, lines in enumerate(t.lines):
         names.append(folder / f"rank_{r}.tit")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from predict_scenes import sample_program
 
+import loggp
 from loggp import Clock, Link, Network, ideal, serve
 from program import (Messages, Program, dissemination, joined, no_messages, recursive_doubling,
                      reduce_and_broadcast)
@@ -182,6 +183,21 @@ def test_an_all_to_all_costs_every_rank_all_others(algorithm):
     least = (n - 1) * (LINK.send_overhead + LINK.receive_overhead)
     assert got.min() >= least
     assert got.max() < 20.0 * least
+
+
+def test_bounds_stand_for_the_messages_of_a_linear_all_to_all(monkeypatch):
+    n = 200
+    rng = np.random.default_rng(4)
+    program = Program(n)
+    program.compute("elements", rng.uniform(0.0, 2.0e-5, n))
+    source = np.repeat(np.arange(n), 3)
+    moved = Messages(source, (source + np.tile([1, 2, 9], n)) % n, rng.integers(1, 50, len(source)))
+    program.all_to_all_v("rebalance", moved, 400)
+    network = Network("test", LINK, all_to_all="linear")
+    followed = Clock(network, n).run(program).max()
+    monkeypatch.setattr(loggp, "MOST_LINEAR", 0)
+    bounded = Clock(network, n).run(program).max()
+    assert bounded == pytest.approx(followed, rel=0.15)
 
 
 def test_open_mpi_changes_its_algorithm_with_the_ranks():

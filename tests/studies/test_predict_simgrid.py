@@ -4,6 +4,7 @@ The tolerance of 5 % is what was asked for. Where the overheads and the latency 
 agree within 0.2 %. With messages of megabytes the two models are different ones, see doc/theory/prediction.md.
 """
 
+import numpy as np
 import pytest
 from predict_scenes import sample_program
 
@@ -62,6 +63,21 @@ def test_three_cycles_on_160_ranks_with_the_tree_of_open_mpi(tmp_path):
 @pytest.mark.parametrize("n_ranks", [256, 512])
 def test_ten_cycles_on_many_ranks(n_ranks, network, tmp_path):
     assert compare(sample_program(32, n_ranks, 10), network, tmp_path) == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize("algorithm", ["pairwise", "linear"])
+@pytest.mark.parametrize("n_ranks", [16, 50])
+def test_a_migration(n_ranks, algorithm, tmp_path):
+    """Ranks give elements to others, and all meet in an all-to-all."""
+    rng = np.random.default_rng(5)
+    source = np.repeat(np.arange(n_ranks), 2)
+    ahead = np.tile([1, 3], n_ranks)
+    network = Network("InfiniBand", INFINIBAND.between, eager_limit=1 << 28, envelope=ENVELOPE, all_to_all=algorithm)
+    program = Program(n_ranks)
+    program.compute("elements", rng.uniform(1.0e-5, 2.0e-5, n_ranks))
+    moved = Messages(source, (source + ahead) % n_ranks, rng.integers(1, 200, len(source)))
+    program.all_to_all_v("rebalance", moved, 400)
+    assert compare(program, network, tmp_path) == pytest.approx(1.0, abs=0.05)
 
 
 @pytest.mark.parametrize("limit", [1 << 28, 4096])
