@@ -16,7 +16,8 @@ PHASES = ("nodes", "rebalance", "elements", "halo", "loads", "contact_search", "
 class Sizes:
     """What travels per item [bytes], and how often. The files of Kerf where each number comes from are named."""
     force: int = 24  # model/copies.cpp: three sums of 8 bytes
-    reduction: int = 112  # dynamics/agreement.hpp: StepReduction, and the note of one contact definition
+    reduction: int = 104  # dynamics/agreement.hpp: StepReduction
+    contact_note: int = 32  # and the note of a contact definition
     state: int = 64  # contact/channel.hpp: state_width numbers, of position, velocity and mass
     told: int = 32  # contact/channel.cpp: active_width numbers, the place of a node and its shares
     share: int = 24  # contact/channel.hpp: share_width numbers
@@ -68,8 +69,9 @@ def add_cycle(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork
         add_sum_over_copies(program, "halo", ranks.halo, sizes.force, rates)
     if work.load_seconds is not None:
         program.compute("loads", ranks.sum_over_elements(work.load_seconds))
-    program.allreduce("halo", sizes.reduction)
-    if len(work.contact.slaves):
+    in_contact = len(work.contact.slaves) > 0
+    program.allreduce("halo", sizes.reduction + (sizes.contact_note if in_contact else 0))
+    if in_contact:
         add_contact(program, ranks, work, sizes, rates)
     if len(work.eroded):
         add_erosion(program, ranks, mesh, work, sizes, rates)
