@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from program import Messages, Program, joined, no_messages
+from program import Messages, Program, joined
 from virtual_ranks import ContactScene, Mesh, VirtualRanks, opened_facets
 
 PHASES = ("nodes", "rebalance", "elements", "halo", "loads", "contact_search", "contact_forces", "erosion")
@@ -30,8 +30,10 @@ class Sizes:
     slave_record: int = 96  # contact/records.hpp: ContactNodeRecord
     facet_record: int = 216  # contact/records.hpp: ContactFacetRecord
     opened: int = 5 * 216 + 8 * 96  # five facets and the nodes of an element that has eroded
-    element_record: int = 400  # model/migrator.cpp: header and the fields of an element; depends on its material
+    element_header: int = 80  # model/migrator.cpp: Header
+    element_record: int = 400  # model/part_store.hpp: record_size() fields; depends on element and material
     node_record: int = 128  # model/node_store.hpp: NodeRecord
+    owner: int = 4  # parallel/ownership.cpp: a rank
 
 
 @dataclass(frozen=True)
@@ -151,8 +153,10 @@ def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWo
 def add_move(program: Program, ranks: VirtualRanks, moved: Messages, sizes: Sizes, rates: Rates) -> None:
     """Partition, migration of elements and nodes, and what is built anew."""
     program.compute("rebalance", rates.partition * ranks.elements)
-    program.all_to_all_v("rebalance", moved, sizes.element_record)
-    program.all_to_all_v("rebalance", moved, sizes.node_record)  # about as many nodes as elements
-    for _ in range(2):  # owners are agreed on at home ranks: one question, one answer
-        program.all_to_all_v("rebalance", no_messages(), 0)
+    for item_bytes in (sizes.element_header, sizes.element_record, sizes.node_record):
+        program.consensus("rebalance", moved, item_bytes)  # about as many nodes as elements
+    homes = ranks.to_homes()
+    program.consensus("rebalance", homes, sizes.request)
+    program.consensus("rebalance", homes.back(), sizes.owner)
+    program.consensus("rebalance", ranks.halo, sizes.request)
     program.compute("rebalance", rates.rebuild * ranks.elements)

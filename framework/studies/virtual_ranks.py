@@ -82,6 +82,8 @@ class VirtualRanks:
     copies: np.ndarray  # of nodes, per rank
     halo: Messages  # copies of shared nodes to their owners
     interface_faces: Messages  # faces of elements between two ranks, both ways
+    copy_of: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # the node of each copy
+    copy_on: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # and its rank
     contact_rank: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # of slaves
     contact_nodes: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # that each rank needs
     contact_pull: Messages = field(default_factory=no_messages)  # nodes from their owners to ranks of contact
@@ -94,6 +96,10 @@ class VirtualRanks:
     def sum_over_elements(self, seconds) -> np.ndarray:
         """Seconds of each rank from those of each element."""
         return np.bincount(self.owners, weights=seconds, minlength=self.n_ranks)
+
+    def to_homes(self) -> Messages:
+        """Ids of copies to the home rank of each node, where owners are agreed on: parallel/ownership.cpp."""
+        return count_messages(self.copy_on, self.copy_of % self.n_ranks, self.n_ranks)
 
     def sum_over_slaves(self, seconds) -> np.ndarray:
         return np.bincount(self.contact_rank, weights=seconds, minlength=self.n_ranks)
@@ -112,7 +118,7 @@ def share_out(mesh: Mesh, owners, n_ranks: int) -> VirtualRanks:
     shared = np.bincount(node, minlength=n_nodes) > 1
     return VirtualRanks(n_ranks, owners, owner_of_node, np.bincount(owners, minlength=n_ranks),
                         np.bincount(rank, minlength=n_ranks), count_messages(rank, owner_of_node[node], n_ranks),
-                        match_faces(mesh.cells, owners, shared, n_ranks))
+                        match_faces(mesh.cells, owners, shared, n_ranks), node, rank)
 
 
 def match_faces(cells: np.ndarray, owners: np.ndarray, shared: np.ndarray, n_ranks: int) -> Messages:

@@ -50,6 +50,9 @@ def test_owners_and_halo_are_those_of_a_loop(shared):
     assert as_counter(ranks.halo) == halo
     assert {r: c for r, c in enumerate(ranks.copies) if c} == copies
     assert ranks.elements.sum() == len(mesh.cells)
+    homes = Counter((rank, node % n_ranks) for node, holders in holders_of(mesh, owners).items() for rank in holders
+                    if rank != node % n_ranks)
+    assert as_counter(ranks.to_homes()) == homes
 
 
 def test_faces_between_ranks_are_those_of_a_loop(shared):
