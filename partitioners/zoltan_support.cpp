@@ -173,6 +173,14 @@ Fault fault_of(const PartitionProblem& p, ZoltanSees sees, int n_ranks) {
   return Fault::none;
 }
 
+/// The part of each element now; on ranks beyond the number of parts it is the last one.
+std::vector<int> present_parts(const PartitionProblem& problem) {
+  if (!problem.present_parts.empty()) return problem.present_parts;
+  int rank = 0;
+  MPI_Comm_rank(problem.comm, &rank);
+  return std::vector<int>(problem.ids.size(), std::min(rank, problem.n_parts - 1));
+}
+
 }  // namespace
 
 ZoltanSession::ZoltanSession(MPI_Comm comm, const ZoltanParameters& parameters) {
@@ -252,13 +260,14 @@ std::vector<int> ZoltanSession::call(const PartitionProblem& problem) {
   const int code =
       Zoltan_LB_Partition(zoltan_, &changes, &n_gid, &n_lid, &n_import, &import_global, &import_local, &import_ranks,
                           &import_parts, &n_export, &export_global, &export_local, &export_ranks, &export_parts);
-  std::vector<int> parts(lists_parts_ ? problem.ids.size() : 0, -1);
+  // Without lists, although they were asked for, everything stays where it is.
+  std::vector<int> parts = lists_parts_ ? present_parts(problem) : std::vector<int>{};
   bool good = code == ZOLTAN_OK || code == ZOLTAN_WARN;
+  good = good && (n_export <= 0 || static_cast<std::size_t>(n_export) == parts.size());
   for (int i = 0; good && i < n_export; ++i) {
     good = export_local[i] < parts.size() && export_parts[i] >= 0 && export_parts[i] < problem.n_parts;
     if (good) parts[export_local[i]] = export_parts[i];
   }
-  good = good && std::none_of(parts.begin(), parts.end(), [](int part) { return part < 0; });
   Zoltan_LB_Free_Part(&import_global, &import_local, &import_ranks, &import_parts);
   Zoltan_LB_Free_Part(&export_global, &export_local, &export_ranks, &export_parts);
   check(good ? ZOLTAN_OK : ZOLTAN_FATAL, "could not find a partition; try another partitioner");
@@ -319,6 +328,10 @@ std::vector<int> ZoltanPartitioner::partition(const PartitionProblem& problem) {
   int n_ranks = 1;
   MPI_Comm_size(problem.comm, &n_ranks);
   if (problem.n_parts == 1 || summary.empty) return std::vector<int>(problem.ids.size(), 0);
+  // Not worth moving, and some methods fail at it.
+  auto n_elements = static_cast<std::int64_t>(problem.ids.size());
+  MPI_Allreduce(MPI_IN_PLACE, &n_elements, 1, MPI_INT64_T, MPI_SUM, problem.comm);
+  if (n_elements < problem.n_parts) return present_parts(problem);
   // What a call leaves behind belongs to as many parts as there are ranks.
   const bool keeps = keeps_session() && problem.n_parts == n_ranks;
   if (!session_ || !keeps || !session_->serves(problem.comm)) {
