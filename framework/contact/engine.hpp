@@ -116,6 +116,9 @@ class ContactEngine {
   double least_sight() const { return least_sight_; }
   /// Forces of the last call on nodes that this rank owns.
   const ContactLoad& load() const { return load_; }
+  /// Whether candidates have been looked for, and those of this rank.
+  bool has_candidates() const { return found_ != nullptr; }
+  const Candidates& candidates() const { return *found_; }
   /// Pairs of nodes and facets that this rank's law has to look at in a step.
   std::size_t n_candidates() const;
   /// How often candidates were looked for, the same on all ranks.

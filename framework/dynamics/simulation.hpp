@@ -55,6 +55,7 @@ class Simulation {
   Ledger& ledger() { return ledger_; }
   const Ledger& ledger() const { return ledger_; }
   Timers& timers() { return timers_; }
+  const Timers& timers() const { return timers_; }
   const Balancer& balancer() const { return balancer_; }
   const StepReduction& reduction() const { return reduction_; }
   std::int64_t element_cycles() const { return element_cycles_; }

@@ -184,6 +184,10 @@ void OutputInput::describe(Schema<OutputInput>& s) {
   s.real(&OutputInput::restart_interval, "restart_interval", "s", positive,
          "time between two restart files; by default there are none on the way")
       .optional();
+  s.real(&OutputInput::recording_interval, "recording_interval", "s", positive,
+         "time between two moments of recording.h5, which `kerf predict` reads: mesh, contact, and the work that they "
+         "cost; by default there is none")
+      .optional();
   s.boolean(&OutputInput::restart_at_end, "restart_at_end",
             "write a restart file at the end, so that the run can be prolonged; a signal always does")
       .by_default("true");

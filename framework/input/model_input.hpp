@@ -119,7 +119,7 @@ struct BalanceInput {
 };
 
 struct OutputInput {
-  double results_interval = 0.0, history_interval = 0.0, restart_interval = 0.0;
+  double results_interval = 0.0, history_interval = 0.0, restart_interval = 0.0, recording_interval = 0.0;
   bool restart_at_end = true;
   std::int64_t progress_interval = 0;
   std::string precision;

@@ -34,6 +34,7 @@ std::vector<HistoryColumn> history_columns() {
 // the older of them.
 void remove_what_is_stale(const ReportSettings& settings) {
   remove_if_there(settings.folder + "/summary.json");
+  remove_if_there(settings.folder + "/recording.h5");
   if (settings.resume) return;
   const std::string newest = restart_path(settings.folder);
   rename_if_there(newest, settings.folder + "/restart/earlier_run.h5");
@@ -72,10 +73,18 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
   else
     start_anew(settings.folder + "/");
   on_root(model.comm, [&] { write_materials(settings.folder + "/materials.yaml", input); });
+  begin_recording();
   simulation.observe(*this);
   start_seconds_ = seconds_now();
   print(fmt::format("{} elements, {} nodes, {} rank{}; first stable step {:.4g} s\n", model.n_elements, model.n_nodes,
                     model.n_ranks(), model.n_ranks() == 1 ? "" : "s", simulation.first_stable_step()));
+}
+
+/// A run that is resumed records what it does itself.
+void Reporter::begin_recording() {
+  if (!(input_.output.recording_interval > 0.0)) return;
+  recorder_ = std::make_unique<WorkRecorder>(settings_.folder + "/recording.h5", settings_.input_name, simulation_);
+  next_recording_ = simulation_.clock().time() + input_.output.recording_interval;
 }
 
 void Reporter::start_anew(const std::string& folder) {
@@ -189,6 +198,13 @@ void Reporter::after_step(Simulation& simulation, const Step& step) {
     due_.next_results = next_due(due_.next_results, results_interval_, step.end() + tolerance);
     write_frame();
   }
+  if (recorder_) {
+    recorder_->count(simulation);
+    if (step.end() >= next_recording_ - tolerance) {
+      next_recording_ = next_due(next_recording_, input_.output.recording_interval, step.end() + tolerance);
+      recorder_->write(simulation);
+    }
+  }
   if (restart_interval_ > 0.0 && step.end() >= due_.next_restart - tolerance) {
     due_.next_restart = next_due(due_.next_restart, restart_interval_, step.end() + tolerance);
     write_restart();
@@ -276,6 +292,7 @@ void Reporter::finish(const std::string& exit) {
     if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
     observers_.finish();
     write_erosions();
+    if (recorder_) recorder_->write(simulation_);
     const bool wanted = exit == "signal" || (exit == "completed" && input_.output.restart_at_end);
     if (wanted && last_restart_cycle_ != simulation_.clock().cycle()) write_restart();
     results_->close();

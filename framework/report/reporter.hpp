@@ -13,6 +13,7 @@
 #include "report/erosion_log.hpp"
 #include "report/observer_host.hpp"
 #include "report/result_fields.hpp"
+#include "report/work_recorder.hpp"
 
 namespace kerf {
 
@@ -52,6 +53,7 @@ class Reporter final : public StepObserver {
   void add_parts(Summary& summary);
   void add_measures(Summary& summary);
   void add_timers(Summary& summary);
+  void begin_recording();
   void write_erosions();
   std::string table_of(const Summary& summary) const;
   bool root() const { return simulation_.model().rank() == 0; }
@@ -64,6 +66,8 @@ class Reporter final : public StepObserver {
   FrameWriter frames_;
   std::unique_ptr<HistoryWriter> history_;
   std::unique_ptr<ErosionLog> erosion_log_;
+  std::unique_ptr<WorkRecorder> recorder_;  // where the input asks for one
+  double next_recording_ = 0.0;  // [s]
   OutputProgress due_;
   Balance last_;
   double results_interval_ = 0.0, history_interval_ = 0.0, restart_interval_ = 0.0, start_seconds_ = 0.0;

@@ -134,11 +134,12 @@ void set_text(Partitioner& partitioner, const std::string& name, const std::stri
 
 class EveryPartitioner : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(All, EveryPartitioner,
-                         testing::Values("block", "zoltan_rcb", "zoltan_rib", "zoltan_hsfc", "zoltan_graph",
-                                         "zoltan_hypergraph", "zoltan_scotch"),
+                         testing::Values("bisection", "block", "zoltan_rcb", "zoltan_rib", "zoltan_hsfc",
+                                         "zoltan_graph", "zoltan_hypergraph", "zoltan_scotch"),
                          [](const auto& info) { return std::string(info.param); });
 class GeometricPartitioner : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Zoltan, GeometricPartitioner, testing::Values("zoltan_rcb", "zoltan_rib", "zoltan_hsfc"),
+INSTANTIATE_TEST_SUITE_P(Zoltan, GeometricPartitioner,
+                         testing::Values("bisection", "zoltan_rcb", "zoltan_rib", "zoltan_hsfc"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST_P(EveryPartitioner, balances_a_block) {

@@ -1,0 +1,50 @@
+// Records the work of a run, on request, for predictions of how it would scale: meshes, contact, and what they cost.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "dynamics/simulation.hpp"
+#include "report/recording_file.hpp"
+
+namespace kerf {
+
+/// Keeps the mesh and the contact of the beginning of an interval, and writes them at its end with the work that the
+/// interval has cost. Work is time without messages and waiting, added up over ranks.
+class WorkRecorder {
+ public:
+  /// Begins the file. Throws InputError where the model has elements that are no hexahedra. Collective, as everything
+  /// here.
+  WorkRecorder(const std::string& path, const std::string& source, const Simulation& simulation);
+  /// After every step.
+  void count(const Simulation& simulation);
+  /// Ends the interval, which becomes a moment of the file, and begins the next.
+  void write(const Simulation& simulation);
+
+ private:
+  using Work = std::array<double, std::size(timer_table)>;
+  void begin(const Simulation& simulation);
+  static Work work_of(const Simulation& simulation);
+  void gather_elements(const Simulation& simulation);
+  void gather_contact(const Simulation& simulation);
+  void add_costs(const Work& spent, std::int64_t n_nodes);
+  void add_eroded(const std::vector<std::int64_t>& ids);
+
+  std::string path_, source_;
+  std::size_t n_moments_ = 0;
+  // Of the present interval; the moment on rank 0.
+  RecordedMoment moment_;
+  std::vector<std::int64_t> node_ids_;
+  std::vector<double> element_work_, element_loads_;  // per element: by the work model; loads on its faces
+  std::vector<double> slave_candidates_;
+  Work begun_{};  // at its beginning [s]
+  std::int64_t n_rounds_ = 0, searches_begun_ = 0;
+  std::vector<std::int64_t> eroded_;  // ids, of this rank
+  // Of all intervals.
+  double node_seconds_ = 0.0, node_cycles_ = 0.0;
+  std::int64_t record_bytes_ = 0;
+};
+
+}  // namespace kerf
