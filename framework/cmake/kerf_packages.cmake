@@ -40,7 +40,7 @@ find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 # A run writes HDF5 by itself (framework/output/hdf5_image.hpp). With HDF5's library partitions are read and written,
-# and tests read. Debian installs one HDF5 per MPI flavour side by side; take the one that is there with Open MPI anyway.
+# and tests read. Debian installs one HDF5 per MPI flavour side by side; take the one that is there with Open MPI.
 set(HDF5_PREFER_PARALLEL ON)
 find_program(HDF5_C_COMPILER_EXECUTABLE NAMES h5pcc.openmpi h5pcc)
 find_package(HDF5 REQUIRED COMPONENTS C)

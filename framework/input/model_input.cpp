@@ -163,8 +163,9 @@ bool SetInput::has_proper_box() const {
 void BalanceInput::describe(Schema<BalanceInput>& s) {
   s.plugin(&BalanceInput::partitioner, "partitioner", "partitioner", "how elements are distributed over the ranks")
       .by_default("{type: zoltan_rcb}");
-  s.plugin(&BalanceInput::contact_partitioner, "contact_partitioner", "partitioner",
-           "how space is divided between the ranks for contact; one that divides space, such as bisection or zoltan_rcb")
+  s.plugin(
+       &BalanceInput::contact_partitioner, "contact_partitioner", "partitioner",
+       "how space is divided between the ranks for contact; one that divides space, such as bisection or zoltan_rcb")
       .by_default("{type: bisection}");
   s.plugin(&BalanceInput::policy, "policy", "balance_policy", "when the mesh is re-balanced during the run")
       .by_default("{type: threshold}");
