@@ -5,4 +5,6 @@
 #SBATCH --exclusive
 #SBATCH --time=02:00:00
 #SBATCH --output=@LOGS@/%A_%a.log
+printf '{"cpu": "%s", "cores_of_machine": %s}\n' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" \
+  "$(nproc --all)" >@LOGS@/machine.json
 @RUN@
