@@ -163,7 +163,8 @@ def report(study: ScalingStudy, output: Path, machine: dict) -> int:
             one, summary = run_of(folder)
             if folder.kind == TIMED and summary is not None:
                 written = datetime.fromtimestamp((folder.path / "summary.json").stat().st_mtime, timezone.utc)
-                stamped.append((one.name, summary, written.isoformat()))
+                # TALP-Pages cannot read a time with its zone.
+                stamped.append((one.name, summary, written.replace(tzinfo=None).isoformat(timespec="seconds")))
     write_talp(stamped, output, study.input.file.stem, bool(study.weak))
     draw(content, output)
     return tell(content, output)

@@ -93,7 +93,9 @@ def draw_phases(rows: list[dict], axes) -> None:
     """Work of each phase, and on top the waiting of all of them, as shares of the time."""
     places = range(len(rows))
     bottom = [0.0] * len(rows)
-    names = list(dict.fromkeys(name for row in rows for name in row["phases"]))
+    # Phases that take nothing would only fill the legend.
+    names = list(dict.fromkeys(name for row in rows for name, phase in row["phases"].items()
+                               if phase["work"] > 1.0e-3 * row["seconds"]))
     for name, colour in zip(names, COLOURS):
         heights = [100.0 * row["phases"][name]["work"] / row["seconds"] if name in row["phases"] else 0.0
                    for row in rows]
@@ -103,6 +105,7 @@ def draw_phases(rows: list[dict], axes) -> None:
     axes.bar(places, waiting, bottom=bottom, color="#e2e8f0", hatch="//", edgecolor=GREY, label="messages, waiting")
     axes.set_xticks(list(places), [str(row["ranks"]) for row in rows])
     axes.set_xlabel("ranks")
+    axes.set_xlim(-0.6, len(rows) + 0.6)  # with room for the legend
     style(axes, "share of the time [%]")
     axes.set_title("work and waiting", fontsize="medium")
 
@@ -159,7 +162,7 @@ CHARTS = {"times": draw_times, "speed_up": draw_speed_up, "efficiency": draw_eff
 
 def finish(axes) -> None:
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, fontsize="x-small")
+        axes.legend(frameon=False, fontsize="x-small", loc="best")
 
 
 def write_png(content: dict, rows: list[dict], output: Path) -> None:

@@ -29,6 +29,8 @@ def region_of(useful: list[float], seconds: float) -> dict:
             "ompLoadImbalanceTime": 0, "ompSchedulingTime": 0, "ompSerializationTime": 0,
             "parallelEfficiency": found.parallel_efficiency, "mpiParallelEfficiency": found.parallel_efficiency,
             "mpiCommunicationEfficiency": found.communication_efficiency, "mpiLoadBalance": found.load_balance,
+            # Which nodes the ranks are on is not known here: all of the imbalance is told as that within nodes.
+            "mpiLoadBalanceIn": found.load_balance, "mpiLoadBalanceOut": 1.0,
             "ompParallelEfficiency": 1.0, "ompLoadBalance": 1.0, "ompSchedulingEfficiency": 1.0,
             "ompSerializationEfficiency": 1.0}
 
