@@ -8,7 +8,6 @@ wrong; 3: a run has failed; 4: stopped by a signal, or runs are not there yet; 5
 from __future__ import annotations
 
 import argparse
-import json
 import signal
 import sys
 from datetime import datetime, timezone
@@ -24,7 +23,7 @@ try:
     from machine import machine_facts
     from marked_yaml import Hindered, StudyError
     from model_input import ModelInput
-    from point_folder import DONE, FAILED, read_json, study_alone, write_whole
+    from point_folder import DONE, FAILED, read_json, study_alone
     from scaling import finite, run_of, tabulate
     from scaling_study import TIMED, ScalingStudy, hash_of_program, library_of_counts, read_study_of
     from talp import write_talp
@@ -72,8 +71,8 @@ def make_parser() -> argparse.ArgumentParser:
                         help="numbers of ranks (default: 1,2,4)")
     parser.add_argument("--repeats", type=whole_number, default=3, metavar="N", help="runs on each (default: 3)")
     parser.add_argument("--weak", action="append", default=[], metavar="KEY.PATH",
-                        help="weak scaling: a number or size of cells that follows the ranks, or `mesh` for all meshes; "
-                        "may be repeated")
+                        help="weak scaling: a number or size of cells that follows the ranks, or `mesh` for all; may "
+                        "be repeated")
     parser.add_argument("--set", action="append", default=[], type=setting, metavar="KEY=VALUE", dest="settings",
                         help="of all runs, as with kerf run")
     parser.add_argument("--plugin", action="append", default=[], help="of all runs, as with kerf run")

@@ -1,4 +1,4 @@
-"""The tables of a scaling study: scale.json, scale.csv, runs.csv, counts.csv, and the table and notes for the screen."""
+"""The tables of a scaling study: scale.json, scale.csv, runs.csv, counts.csv, and those for the screen, with notes."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ OF_ROW = ("ranks", "oversubscribed", "completed", "elements", "cycles", "element
           "efficiency", "side_by_side_seconds", "efficiency_side_by_side")
 OVERSUBSCRIBED = ("on {ranks} ranks there are more ranks than the {cores} cores: times, speed-ups and factors of these "
                   "runs mean nothing; hashes and counts of messages do")
-NO_SPLIT = ("communication efficiency is not split into serialisation and transfer: that takes the run time on a network "
-            "whose messages take no time (kerf predict, or a trace that is replayed)")
+NO_SPLIT = ("communication efficiency is not split into serialisation and transfer: that takes the run time on a "
+            "network whose messages take no time (kerf predict, or a trace that is replayed)")
 
 
 def write_json(content: dict, output: Path) -> None:

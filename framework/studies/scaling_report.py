@@ -26,8 +26,8 @@ SHOWN_FACTORS = {"parallel_efficiency": BLUE, "load_balance": ORANGE, "communica
                  "computation_scaling": VIOLET, "global_efficiency": "#1a202c"}
 SOURCE = ("Factors as the POP Centre of Excellence defines them (https://co-design.pop-coe.eu/metrics/; C. Rosas, J. "
           "Giménez &amp; J. Labarta, \"Scalability prediction for fundamental performance factors\", Supercomputing "
-          "Frontiers and Innovations 1 (2014) 4-19): load balance = mean / largest useful time; communication efficiency "
-          "= largest useful time / run time; parallel efficiency = their product; computation scaling = useful time of "
+          "Frontiers and Innovations 1 (2014) 4-19): load balance = mean / largest useful time; communication "
+          "efficiency = largest useful time / run time; parallel efficiency = their product; computation scaling = useful time of "
           "the reference / useful time, both of all ranks and for the same work; global efficiency = parallel "
           "efficiency × computation scaling. Useful time is the work in the steps: all phases that every step needs, "
           "without sending, receiving and waiting.")
@@ -113,12 +113,12 @@ def draw_phases(rows: list[dict], axes) -> None:
 def draw_counts(rows: list[dict], axes) -> None:
     ranks = [row["ranks"] for row in rows]
     counted = [row for row in rows if (row.get("counts") or {}).get("per_cycle")]
-    for kind, colour in (("eroding", RED), ("others", BLUE), ("all", GREY)):
+    for kind, label, colour in (("eroding", "cycles that erode", RED), ("others", "other cycles", BLUE),
+                                ("all", "all cycles", GREY)):
         found = [(row["ranks"], row["counts"]["per_cycle"][kind]["collectives"]["mean"]) for row in counted
                  if row["counts"]["per_cycle"][kind]["cycles"]]
         if found:
-            axes.plot(*zip(*found), marker="o", color=colour, label={"all": "all cycles", "eroding": "cycles that erode",
-                                                                      "others": "other cycles"}[kind])
+            axes.plot(*zip(*found), marker="o", color=colour, label=label)
     if not counted:
         axes.text(0.5, 0.5, "not counted", ha="center", transform=axes.transAxes)
     of_ranks(axes, ranks)

@@ -136,7 +136,7 @@ class RanksOfStudy:
     """The study as seen by one number of ranks: what point_folder and slurm ask of a study."""
 
     def __init__(self, study: ScalingStudy, ranks: int):
-        self.file = self.input_file = study.input.file
+        self.file = study.input.file
         self.input, self.plugins, self.ranks = study.input, study.plugins, ranks
         self.slurm_template = study.slurm_template or Path(__file__).with_name("scaling_slurm.sh")
         self.slurm_launch = study.launch or "srun --ntasks=@RANKS@"

@@ -21,7 +21,7 @@ try:
     import slurm
     from local_runs import Runner, binary_of_kerf, usual_jobs
     from marked_yaml import Hindered, StudyError
-    from point_folder import DONE, FAILED, INTERRUPTED, PointFolder, State, read_json, study_alone
+    from point_folder import DONE, FAILED, PointFolder, State, read_json, study_alone
     from quantities import Value
     from study import Point, Study, read_study
 except ModuleNotFoundError as error:

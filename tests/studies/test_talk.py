@@ -40,7 +40,7 @@ def test_a_rod_through_a_plate_talks_to_all_once_or_twice_a_cycle(tmp_path, rank
 
 
 def test_a_bar_without_contact_talks_to_all_once_a_cycle(tmp_path):
-    """The first cycle has two more, of the first step. With a policy of balance, every look at the imbalance adds one."""
+    """The first cycle has two more. Looks at the imbalance would add one each, so there are none."""
     _, books = counted(tmp_path, "taylor_bar/taylor_bar.yaml", 2, "time.maximum_cycles=120",
                        "parameters.cell_size=1.06666667 mm", "balance.policy={type: never}")
     for book in books:
