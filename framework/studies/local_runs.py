@@ -7,7 +7,9 @@ import os
 import signal
 import subprocess
 import time
+from pathlib import Path
 
+from marked_yaml import Hindered
 from point_folder import DONE, INTERRUPTED, UNFINISHED, PointFolder, write_whole
 
 LIBC = ctypes.CDLL(None)
@@ -16,12 +18,21 @@ PR_SET_PDEATHSIG = 1
 OF_RANKS = ("OMPI_COMM_WORLD_", "OMPI_UNIVERSE_", "PMIX_", "PMI_", "OMPI_MCA_orte_", "OMPI_MCA_ess_", "OMPI_MCA_pmix")
 
 
+def binary_of_kerf() -> Path:
+    given = os.environ.get("KERF_BINARY")
+    build = os.environ.get("KERF_BUILD_DIR") or Path(__file__).resolve().parents[2] / "build"
+    path = Path(given).resolve() if given else Path(build).resolve() / "bin" / "kerf"
+    if not os.access(path, os.X_OK):
+        raise Hindered(f"{path}: error: the program is not there; ./kerf build makes it, or set KERF_BINARY")
+    return path
+
+
 def clean_environment() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if not name.startswith(OF_RANKS)}
 
 
 def stop_with_parent() -> None:
-    """In the child: a run whose `kerf sweep` is killed saves its state and ends, too."""
+    """In the child: a run whose study is killed saves its state and ends, too."""
     LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
 
 

@@ -66,6 +66,9 @@ def name_of(point: Point) -> str:
 
 
 class PointFolder:
+    program = "kerf sweep"  # the command whose study this is
+    may_resume = True  # whether a run that was cut off goes on from its restart file
+
     def __init__(self, study: Study, point: Point, output: Path):
         self.study, self.point = study, point
         self.name = name_of(point)
@@ -95,7 +98,7 @@ class PointFolder:
         return words
 
     def can_resume(self) -> bool:
-        return (self.path / "restart" / "restart.h5").exists()
+        return self.may_resume and (self.path / "restart" / "restart.h5").exists()
 
     # ---- before and after a run
 
@@ -163,13 +166,13 @@ def read_lines(path: Path) -> list[str]:
 
 
 @contextmanager
-def study_alone(output: Path):
-    """One `kerf sweep` at a time per output folder. Throws Hindered where another one works there."""
+def study_alone(output: Path, program: str = "kerf sweep"):
+    """One study at a time per output folder. Throws Hindered where another one works there."""
     output.mkdir(parents=True, exist_ok=True)
     with (output / "lock").open("a") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            raise Hindered(f"{output}: error: another kerf sweep works in this folder; wait for its end, or name "
+            raise Hindered(f"{output}: error: another {program} works in this folder; wait for its end, or name "
                            "another folder with --output") from error
         yield

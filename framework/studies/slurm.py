@@ -19,24 +19,26 @@ TEMPLATE = Path(__file__).with_name("slurm_template.sh")
 PLACES = ("NAME", "ARRAY", "RANKS", "LOGS", "RUN")
 
 POINT = """#!/usr/bin/env bash
-# One point of a study, written by `kerf sweep --slurm`. It leaves its exit code in the file exit_code.
+# One run of a study, written by `{program} --slurm`. It leaves its exit code in the file exit_code.
 set -u
 here={here}
 rm -f -- "$here/exit_code" "$here/summary.json"
 code=0
 if ! sha256sum --check --status -- "$here/files.sha256" >"$here/run.log" 2>"$here/errors.log"; then
   echo 'error: the input, or a file that it names, has changed since the scripts were written;' \\
-    'write them again with kerf sweep --slurm' >"$here/errors.log"
+    'write them again with {program} --slurm' >"$here/errors.log"
   code=2
 else
-  # A restart file in this folder was written by this same point.
   goes_on=()
-  [[ -f "$here/restart/restart.h5" ]] && goes_on=(--resume)
-  {command} "${{goes_on[@]}}" >"$here/run.log" 2>"$here/errors.log"
+{resume}  {command} "${{goes_on[@]}}" >"$here/run.log" 2>"$here/errors.log"
   code=$?
 fi
 printf '%s\\n' "$code" >"$here/exit_code.part" && mv -- "$here/exit_code.part" "$here/exit_code"
 exit "$code"
+"""
+
+RESUME = """  # A restart file in this folder was written by this same point.
+  [[ -f "$here/restart/restart.h5" ]] && goes_on=(--resume)
 """
 
 RUN = """folder="$(sed -n "$((SLURM_ARRAY_TASK_ID + 1))p" {points})"
@@ -66,7 +68,9 @@ def write_point(folder: PointFolder, binary: Path) -> None:
     # The cluster's own launcher starts the ranks, so Kerf is not asked to.
     launch = folder.study.slurm_launch.replace("@RANKS@", str(folder.study.ranks))
     command = f"{launch} {shlex.join(folder.command(binary, 1))}".strip()
-    write_whole(folder.path / "run.sh", POINT.format(here=shlex.quote(str(folder.path)), command=command))
+    write_whole(folder.path / "run.sh", POINT.format(
+        here=shlex.quote(str(folder.path)), command=command, program=folder.program,
+        resume=RESUME if folder.may_resume else ""))
 
 
 def refuse_if_queued(output: Path) -> None:

@@ -8,7 +8,6 @@ failed; 4: stopped by a signal, or points are not run yet.
 from __future__ import annotations
 
 import argparse
-import os
 import signal
 import sys
 from pathlib import Path
@@ -20,9 +19,9 @@ try:
     import dakota
     import gather
     import slurm
-    from local_runs import Run, Runner, usual_jobs
+    from local_runs import Runner, binary_of_kerf, usual_jobs
     from marked_yaml import Hindered, StudyError
-    from point_folder import DONE, FAILED, INTERRUPTED, PointFolder, State, read_json, study_alone
+    from point_folder import DONE, FAILED, PointFolder, State, read_json, study_alone
     from quantities import Value
     from study import Point, Study, read_study
 except ModuleNotFoundError as error:
@@ -62,15 +61,6 @@ def parse_arguments() -> argparse.Namespace:
     if arguments.submit and not arguments.slurm:
         parser.error("--submit goes with --slurm only")
     return arguments
-
-
-def binary_of_kerf() -> Path:
-    given = os.environ.get("KERF_BINARY")
-    build = os.environ.get("KERF_BUILD_DIR") or HERE.parents[1] / "build"
-    path = Path(given).resolve() if given else Path(build).resolve() / "bin" / "kerf"
-    if not os.access(path, os.X_OK):
-        raise Hindered(f"{path}: error: the program is not there; ./kerf build makes it, or set KERF_BINARY")
-    return path
 
 
 def output_of(study: Study, arguments: argparse.Namespace) -> Path:
