@@ -118,6 +118,11 @@ class ContactEngine {
   const ContactLoad& load() const { return load_; }
   /// Pairs of nodes and facets that this rank's law has to look at in a step.
   std::size_t n_candidates() const;
+  /// Nodes that this rank's law has to look at in a step.
+  std::size_t n_slaves() const { return found_ == nullptr ? 0 : found_->slave.size(); }
+  /// Candidates of the local nodes that this rank owns, at the last complete search; empty where the nodes have got
+  /// other numbers since.
+  const std::vector<std::int64_t>& candidates_of_nodes() const { return n_candidates_; }
   /// How often candidates were looked for, the same on all ranks.
   struct Counts {
     std::int64_t searches = 0, renewals = 0, refreshes = 0;

@@ -46,6 +46,7 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
     if (model_.n_ranks() > 1) space = input.balance.contact_partitioner->spatial();
     contacts_.push_back(std::make_unique<ContactEngine>(model_, *law, std::move(space)));
   }
+  balancer_.watch(contacts_);
   contact_plans_.resize(contacts_.size());
   agreement_ = std::make_unique<StepAgreement>(model_.comm, contacts_.size());
   erosion_ = std::make_unique<Erosion>(model_);
@@ -483,7 +484,7 @@ void Simulation::resume(const Progress& p) {
   resumed_contact_step_ = p.contact_step;
   for (std::size_t k = 0; k < contact_plans_.size() && k < p.paces.size(); ++k) contact_plans_[k].pace = p.paces[k];
   keeps_paces_ = true;
-  balancer_.distribute(model_);
+  balancer_.distribute_again(model_, p.cycle, p.time);
   erosion_->rearranged();
   reduction_.work = RankWork::of_all(model_);
   balancer_.restore(p.last_rebalance, p.balance_policy);

@@ -163,11 +163,21 @@ bool SetInput::has_proper_box() const {
 void BalanceInput::describe(Schema<BalanceInput>& s) {
   s.plugin(&BalanceInput::partitioner, "partitioner", "partitioner", "how elements are distributed over the ranks")
       .by_default("{type: zoltan_rcb}");
-  s.plugin(&BalanceInput::contact_partitioner, "contact_partitioner", "partitioner",
-           "how space is divided between the ranks for contact; one that divides space, such as bisection or zoltan_rcb")
+  s.plugin(
+       &BalanceInput::contact_partitioner, "contact_partitioner", "partitioner",
+       "how space is divided between the ranks for contact; one that divides space, such as bisection or zoltan_rcb")
       .by_default("{type: bisection}");
   s.plugin(&BalanceInput::policy, "policy", "balance_policy", "when the mesh is re-balanced during the run")
       .by_default("{type: threshold}");
+  s.text(
+       &BalanceInput::work_model, "work_model",
+       "file with the costs of elements, laws, contact and re-balancing, as `kerf bench --calibrate` writes it, named "
+       "relative to the input file; by default built-in costs")
+      .optional();
+  s.choice(&BalanceInput::contact_work, "contact_work", {"own", "with_elements"},
+           "whose work contact is: `own` divides space and does not count for elements; with `with_elements` the "
+           "elements below contact surfaces weigh more, too")
+      .by_default("own");
   s.boolean(&BalanceInput::enabled, "enabled", "whether the policy is asked at all").by_default("true");
   s.integer(&BalanceInput::force_interval, "force_interval", non_negative,
             "re-balance every so many cycles, whatever the policy says; 0 for never")

@@ -9,6 +9,7 @@
 #include "output/history.hpp"
 #include "output/results.hpp"
 #include "output/summary.hpp"
+#include "report/balance_log.hpp"
 #include "report/checkpoint.hpp"
 #include "report/erosion_log.hpp"
 #include "report/observer_host.hpp"
@@ -64,6 +65,7 @@ class Reporter final : public StepObserver {
   FrameWriter frames_;
   std::unique_ptr<HistoryWriter> history_;
   std::unique_ptr<ErosionLog> erosion_log_;
+  std::unique_ptr<BalanceLog> balance_log_;
   OutputProgress due_;
   Balance last_;
   double results_interval_ = 0.0, history_interval_ = 0.0, restart_interval_ = 0.0, start_seconds_ = 0.0;
