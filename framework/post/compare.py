@@ -20,7 +20,7 @@ except ModuleNotFoundError as error:
              "names another Python")
 
 # How a run was computed or what it was called, not what it computed.
-NOT_PHYSICS = ("wall_seconds", "element_cycles_per_second", "timers", "rebalances", "ranks", "input", "title",
+NOT_PHYSICS = ("wall_seconds", "element_cycles_per_second", "timers", "rebalances", "work", "ranks", "input", "title",
                "kerf_version",
                "state_hash", "imbalance")
 
