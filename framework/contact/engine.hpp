@@ -118,8 +118,8 @@ class ContactEngine {
   const ContactLoad& load() const { return load_; }
   /// Pairs of nodes and facets that this rank's law has to look at in a step.
   std::size_t n_candidates() const;
-  /// Nodes that this rank's law has to look at in a step.
-  std::size_t n_slaves() const { return found_ == nullptr ? 0 : found_->slave.size(); }
+  /// Surface nodes of this rank that candidates are looked for.
+  std::size_t n_surface_nodes() const { return tracked_.size(); }
   /// Candidates of the local nodes that this rank owns, at the last complete search; empty where the nodes have got
   /// other numbers since.
   const std::vector<std::int64_t>& candidates_of_nodes() const { return n_candidates_; }

@@ -303,7 +303,7 @@ void Simulation::add_contact_forces(const Step& step) {
       plan.has_news = true;
     }
     c.add_forces(model_, step, prediction, plan, timers_);
-    work_counts_.contact_nodes += static_cast<std::int64_t>(c.n_slaves());
+    work_counts_.contact_nodes += static_cast<std::int64_t>(c.n_surface_nodes());
     work_counts_.contact_candidates += static_cast<std::int64_t>(c.n_candidates());
     work_counts_.contact_touches += static_cast<std::int64_t>(c.touches().touches().size());
     for (const ContactTouches::LetGo& l : c.touches().all_let_go())

@@ -35,7 +35,7 @@ class StepObserver {
 
 /// What this rank has done, added up over the cycles since it was started or resumed: what a work model is measured by.
 struct WorkCounts {
-  std::int64_t contact_nodes = 0, contact_candidates = 0, contact_touches = 0;  // looked at in forces of contact
+  std::int64_t contact_nodes = 0, contact_candidates = 0, contact_touches = 0;  // of all definitions
   std::int64_t eroded_elements = 0;
 };
 

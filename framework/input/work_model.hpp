@@ -20,8 +20,8 @@ struct WorkModel {
   double other_eos = 0.0;  // times Law::cost(); of a type that no file names
   double erosion = 0.1;  // of an element whose material has criteria
   std::map<std::string, double> elements, laws, eos;  // by type
-  double contact_node = 2.0, contact_candidate = 0.6;  // of a node, of each of its candidates
-  double eroded_element = 20.0;  // once, when it goes
+  double contact_node = 0.9, contact_candidate = 0.7;  // of a node, of each of its candidates
+  double eroded_element = 90.0;  // once, when it goes
   MoveCost move{0.0, 60.0, 0.0};
   double element_cycle = 0.0;  // [s]; 0 where nothing was measured
 

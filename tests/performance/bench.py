@@ -76,7 +76,7 @@ def main() -> int:
     scratch = arguments.scratch or Path(binary).resolve().parents[1]
     baseline = str(arguments.baseline.resolve()) if arguments.baseline else None
     with tempfile.TemporaryDirectory(prefix="bench_", dir=scratch) as folder:
-        bench = Bench(Runner(Path(folder)), binary, baseline, arguments.repeats or (1 if arguments.quick else 3 if arguments.calibrate else 5),
+        bench = Bench(Runner(Path(folder)), binary, baseline, arguments.repeats or (1 if arguments.quick else 5),
                       arguments.quick)
         try:
             if arguments.calibrate:

@@ -18,7 +18,7 @@ from pathlib import Path
 from cases import rod
 from runner import ROOT, BenchError, Case, Run
 
-LAW_CYCLES = 40
+LAW_CYCLES = 80
 CELLS = 20  # along an edge of the block
 KEYS = {"material": "strength", "eos": "eos", "solid": "solid"}
 SMALL, LARGE = 16, 36  # cells along an edge of the bars that two ranks re-balance
