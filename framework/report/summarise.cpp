@@ -230,9 +230,7 @@ void add_no_tension(const Model& model, Summary& s) {
 
 /// Collective.
 void add_work_counts(const Model& model, const WorkCounts& mine, Summary& s) {
-  const auto add = [&](const char* name, std::int64_t n) {
-    s.work[name] = static_cast<double>(sum_of(model.comm, n));
-  };
+  const auto add = [&](const char* name, std::int64_t n) { s.work[name] = static_cast<double>(sum_of(model.comm, n)); };
   add("contact_nodes", mine.contact_nodes);
   add("contact_candidates", mine.contact_candidates);
   add("contact_touches", mine.contact_touches);

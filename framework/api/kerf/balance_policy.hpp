@@ -86,4 +86,4 @@ class BalancePolicy : public Plugin {
 }  // namespace kerf
 
 KERF_SIZES(balance_policy, KERF_SIZE(BalanceMove), KERF_SIZE(MoveCost), KERF_SIZE(BalanceReasons),
-           KERF_SIZE(BalanceState), KERF_SIZE(BalancePolicy))
+           KERF_SIZE(InputFiles), KERF_SIZE(BalanceState), KERF_SIZE(BalancePolicy))
