@@ -121,6 +121,11 @@ class ContactEngine {
   const Candidates& candidates() const { return *found_; }
   /// Pairs of nodes and facets that this rank's law has to look at in a step.
   std::size_t n_candidates() const;
+  /// Surface nodes of this rank that candidates are looked for.
+  std::size_t n_surface_nodes() const { return tracked_.size(); }
+  /// Candidates of the local nodes that this rank owns, at the last complete search; empty where the nodes have got
+  /// other numbers since.
+  const std::vector<std::int64_t>& candidates_of_nodes() const { return n_candidates_; }
   /// How often candidates were looked for, the same on all ranks.
   struct Counts {
     std::int64_t searches = 0, renewals = 0, refreshes = 0;

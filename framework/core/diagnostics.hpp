@@ -33,6 +33,8 @@ class Diagnostics {
   void error(const Origin& where, const std::string& message);
   /// `where` as text, e.g. Plugin::origin.
   void error(const std::string& where, const std::string& message);
+  /// A whole line that has its place and "error" in it already.
+  void error_line(const std::string& line) { errors_.push_back(line); }
   void warning(const Origin& where, const std::string& message);
   bool has_errors() const { return !errors_.empty(); }
   const std::vector<std::string>& errors() const { return errors_; }

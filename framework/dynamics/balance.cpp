@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "core/diagnostics.hpp"
 #include "core/memory.hpp"
@@ -22,6 +24,14 @@ RankWork RankWork::of(const Model& model) {
   return {mine, mine, model.n_live_local()};
 }
 
+RankWork RankWork::of_all(const Model& model, const std::vector<double>& work) {
+  std::int64_t mine = 0;
+  for (const double w : work) mine += std::llrint(units * w);
+  std::int64_t sums[2] = {mine, static_cast<std::int64_t>(work.size())};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_INT64_T, MPI_SUM, model.comm);
+  return {sums[0], greatest(model.comm, mine), sums[1]};
+}
+
 RankWork RankWork::of_all(const Model& model) {
   const RankWork mine = of(model);
   std::int64_t sums[2] = {mine.sum, mine.n_elements};
@@ -29,12 +39,37 @@ RankWork RankWork::of_all(const Model& model) {
   return {sums[0], greatest(model.comm, mine.most), sums[1]};
 }
 
-double Balancer::imbalance(const Model& model) { return RankWork::of_all(model).imbalance(model.n_ranks()); }
+RankWork RankWork::after(const Model& model, const std::vector<double>& work, const std::vector<int>& parts) {
+  std::vector<std::int64_t> of_part(static_cast<std::size_t>(model.n_ranks()) + 1, 0);
+  for (std::size_t e = 0; e < work.size(); ++e)
+    of_part[static_cast<std::size_t>(parts[e])] += std::llrint(units * work[e]);
+  of_part.back() = static_cast<std::int64_t>(work.size());
+  MPI_Allreduce(MPI_IN_PLACE, of_part.data(), static_cast<int>(of_part.size()), MPI_INT64_T, MPI_SUM, model.comm);
+  RankWork all;
+  all.n_elements = of_part.back();
+  of_part.pop_back();
+  all.sum = std::accumulate(of_part.begin(), of_part.end(), std::int64_t{0});
+  all.most = *std::max_element(of_part.begin(), of_part.end());
+  return all;
+}
 
-bool Balancer::due(const Model& model, const Step& step, double cycles_left, const RankWork& work) {
-  if (model.n_ranks() == 1) return false;
-  if (input_.force_interval > 0 && step.cycle % input_.force_interval == 0) return true;
-  // Once, while all ranks have the same policy: what it is asked later, it is asked on rank 0.
+std::vector<double> Balancer::work_of_elements(Model& model) const {
+  std::vector<std::int64_t> candidates(static_cast<std::size_t>(model.nodes.n()), 0);
+  if (has_contact())
+    for (const auto& c : *contacts_) {
+      const std::vector<std::int64_t>& of_nodes = c->candidates_of_nodes();
+      for (std::size_t i = 0; i < of_nodes.size() && i < candidates.size(); ++i) candidates[i] += of_nodes[i];
+    }
+  return element_work(model, candidates);
+}
+
+RankWork Balancer::work_of_all(Model& model) const {
+  return input_.has_contact_with_elements() ? RankWork::of_all(model, work_of_elements(model))
+                                            : RankWork::of_all(model);
+}
+
+/// Asked once, while all ranks have the same policy: what it is asked later, it is asked on rank 0.
+std::int64_t Balancer::check_interval() {
   if (interval_ < 0) {
     interval_ = input_.enabled ? input_.policy->check_interval() : 0;
     if (interval_ < 0)
@@ -43,7 +78,25 @@ bool Balancer::due(const Model& model, const Step& step, double cycles_left, con
                       "on",
                       input_.policy->type, input_.policy->origin, interval_));
   }
-  return interval_ > 0 && step.cycle % interval_ == 0 && ask(model, step, cycles_left, work);
+  return interval_;
+}
+
+bool Balancer::due(Model& model, const Step& step, double cycles_left, const RankWork& work) {
+  if (model.n_ranks() == 1) return false;
+  const bool forced = input_.force_interval > 0 && step.cycle % input_.force_interval == 0;
+  const bool asked = !forced && check_interval() > 0 && step.cycle % check_interval() == 0;
+  if (!forced && !asked) return false;
+  // What the ranks have told each other in their one reduction is without contact.
+  const RankWork now = input_.has_contact_with_elements() ? work_of_all(model) : work;
+  BalanceDecision d;
+  d.cycle = step.cycle;
+  d.time = step.end();
+  d.imbalance = now.imbalance(model.n_ranks());
+  const bool moves = forced || ask(model, step, cycles_left, now);
+  d.decision = forced ? BalanceDecision::forced : moves ? BalanceDecision::moved : BalanceDecision::stay;
+  if (asked && model.rank() == 0) d.reasons = input_.policy->reasons();
+  decisions_.push_back(std::move(d));
+  return moves;
 }
 
 /// Rank 0 asks, and tells the others.
@@ -60,6 +113,7 @@ bool Balancer::ask(const Model& model, const Step& step, double cycles_left, con
       s.imbalance = work.imbalance(model.n_ranks());
       s.mean_work = work.mean(model.n_ranks());
       s.cycles_since_move = step.cycle - last_cycle_;
+      s.move_cost = input_.work.move;
       s.moves = records_;
       moves = input_.policy->move(s) ? 1 : 0;
     } catch (const std::exception& e) {
@@ -92,19 +146,47 @@ void Balancer::refuse_on_one_rank(Model& model) const {
     throw InputError(lines);
 }
 
-void Balancer::move(Model& model, std::int64_t cycle) {
-  if (model.n_ranks() == 1) return refuse_on_one_rank(model);
+BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle) {
   const ReturnedBlocks returned;
   const auto start = std::chrono::steady_clock::now();
   BalanceMove r;
   r.cycle = cycle;
-  r.imbalance_before = imbalance(model);
-  const PartitionProblem problem = problem_of(model, *input_.partitioner, model.n_ranks());
-  r.elements_moved = sum_of(model.comm, migrate(model, find_parts(*input_.partitioner, problem)));
-  r.imbalance_after = imbalance(model);
+  const std::vector<double> work = work_of_elements(model);
+  const RankWork before = RankWork::of_all(model, work);
+  r.imbalance_before = before.imbalance(model.n_ranks());
+  const PartitionProblem problem = problem_of(model, *input_.partitioner, model.n_ranks(), work);
+  const std::vector<int> parts = find_parts(*input_.partitioner, problem);
+  // From the work before the move: contact does not know its candidates again before the next search.
+  r.imbalance_after = RankWork::after(model, work, parts).imbalance(model.n_ranks());
+  r.elements_moved = sum_of(model.comm, migrate(model, parts));
   r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  r.modelled_cost = input_.work.move.of(static_cast<double>(before.n_elements) / model.n_ranks(),
+                                        static_cast<double>(r.elements_moved) / model.n_ranks());
+  return r;
+}
+
+void Balancer::distribute(Model& model) {
+  if (model.n_ranks() == 1) return refuse_on_one_rank(model);
+  BalanceMove r = migrate_elements(model, 0);
+  r.first = true;
+  records_.push_back(r);
+  decisions_.push_back({0, 0.0, r.imbalance_before, {}, BalanceDecision::first, r});
+}
+
+void Balancer::distribute_again(Model& model, std::int64_t cycle, double time) {
+  decisions_.clear();
+  if (model.n_ranks() == 1) return refuse_on_one_rank(model);
+  BalanceMove r = migrate_elements(model, 0);
+  r.first = true;
+  records_.push_back(r);
+  decisions_.push_back({cycle, time, r.imbalance_before, {}, BalanceDecision::resumed, r});
+}
+
+void Balancer::move(Model& model, std::int64_t cycle) {
+  const BalanceMove r = migrate_elements(model, cycle);
   last_cycle_ = cycle;
   records_.push_back(r);
+  decisions_.back().move = r;
 }
 
 }  // namespace kerf

@@ -46,6 +46,7 @@ Simulation::Simulation(MPI_Comm comm, const ModelInput& input)
     if (model_.n_ranks() > 1) space = input.balance.contact_partitioner->spatial();
     contacts_.push_back(std::make_unique<ContactEngine>(model_, *law, std::move(space)));
   }
+  balancer_.watch(contacts_);
   contact_plans_.resize(contacts_.size());
   agreement_ = std::make_unique<StepAgreement>(model_.comm, contacts_.size());
   erosion_ = std::make_unique<Erosion>(model_);
@@ -302,6 +303,9 @@ void Simulation::add_contact_forces(const Step& step) {
       plan.has_news = true;
     }
     c.add_forces(model_, step, prediction, plan, timers_);
+    work_counts_.contact_nodes += static_cast<std::int64_t>(c.n_surface_nodes());
+    work_counts_.contact_candidates += static_cast<std::int64_t>(c.n_candidates());
+    work_counts_.contact_touches += static_cast<std::int64_t>(c.touches().touches().size());
     for (const ContactTouches::LetGo& l : c.touches().all_let_go())
       ledger_.let_go.add(model_.part_of_node(c.id_of(l.node)), std::llrint(c.mass_of(l.node) / ledger_.mass_quantum),
                          l.depth, prediction.step().end());
@@ -410,6 +414,7 @@ void Simulation::erode(const Step& step) {
     const auto scope = timers_.measure("erosion");
     loads_.before_erosion(model_, erosion_->failing());
     eroded_now_ = erosion_->erode(model_, step, ledger_);
+    work_counts_.eroded_elements += static_cast<std::int64_t>(eroded_now_.size());
     erosion_->update_free_nodes(model_);
     for (const ErosionRecord& r : eroded_now_)
       dead.push_back(r.element + model_.parts[model_.part_of_element(r.element)].shift_in_body);
@@ -483,7 +488,7 @@ void Simulation::resume(const Progress& p) {
   resumed_contact_step_ = p.contact_step;
   for (std::size_t k = 0; k < contact_plans_.size() && k < p.paces.size(); ++k) contact_plans_[k].pace = p.paces[k];
   keeps_paces_ = true;
-  balancer_.distribute(model_);
+  balancer_.distribute_again(model_, p.cycle, p.time);
   erosion_->rearranged();
   reduction_.work = RankWork::of_all(model_);
   balancer_.restore(p.last_rebalance, p.balance_policy);

@@ -33,6 +33,12 @@ class StepObserver {
   virtual void after_step(class Simulation&, const Step&) {}
 };
 
+/// What this rank has done, added up over the cycles since it was started or resumed: what a work model is measured by.
+struct WorkCounts {
+  std::int64_t contact_nodes = 0, contact_candidates = 0, contact_touches = 0;  // of all definitions
+  std::int64_t eroded_elements = 0;
+};
+
 class Simulation {
  public:
   /// Builds and distributes the model of time zero. Throws InputError where bodies overlap or nodes cannot start as
@@ -59,6 +65,7 @@ class Simulation {
   const Balancer& balancer() const { return balancer_; }
   const StepReduction& reduction() const { return reduction_; }
   std::int64_t element_cycles() const { return element_cycles_; }
+  const WorkCounts& work_counts() const { return work_counts_; }
   const std::vector<std::unique_ptr<ContactEngine>>& contacts() const { return contacts_; }
   const std::vector<ErosionRecord>& eroded_now() const { return eroded_now_; }
   /// What was agreed on before the last forces of contact, by definition.
@@ -159,6 +166,7 @@ class Simulation {
   std::vector<std::string> warnings_;
   ContactLoad load_;
   std::int64_t element_cycles_ = 0;
+  WorkCounts work_counts_;
   double first_stable_ = 0.0;
   StepLimit last_limit_ = StepLimit::stable;  // of the last step
   std::int64_t last_id_ = -1;  // the element that the last step was stable for, -1 for contact

@@ -169,6 +169,15 @@ void BalanceInput::describe(Schema<BalanceInput>& s) {
       .by_default("{type: bisection}");
   s.plugin(&BalanceInput::policy, "policy", "balance_policy", "when the mesh is re-balanced during the run")
       .by_default("{type: threshold}");
+  s.text(
+       &BalanceInput::work_model, "work_model",
+       "file with the costs of elements, laws, contact and re-balancing, as `kerf bench --calibrate` writes it, named "
+       "relative to the input file; by default built-in costs")
+      .optional();
+  s.choice(&BalanceInput::contact_work, "contact_work", {"own", "with_elements"},
+           "whose work contact is: `own` divides space and does not count for elements; with `with_elements` the "
+           "elements below contact surfaces weigh more, too")
+      .by_default("own");
   s.boolean(&BalanceInput::enabled, "enabled", "whether the policy is asked at all").by_default("true");
   s.integer(&BalanceInput::force_interval, "force_interval", non_negative,
             "re-balance every so many cycles, whatever the policy says; 0 for never")

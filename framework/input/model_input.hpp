@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "input/work_model.hpp"
 #include "kerf/balance_policy.hpp"
 #include "kerf/boundary.hpp"
 #include "kerf/contact.hpp"
@@ -115,6 +116,10 @@ struct BalanceInput {
   std::int64_t force_interval = 0;
   std::unique_ptr<Partitioner> partitioner, contact_partitioner;
   std::unique_ptr<BalancePolicy> policy;
+  std::string work_model;  // file; empty where absent
+  std::string contact_work;  // own, with_elements
+  WorkModel work;  // read from the file; not a key of the input
+  bool has_contact_with_elements() const { return contact_work == "with_elements"; }
   static void describe(Schema<BalanceInput>& s);
 };
 

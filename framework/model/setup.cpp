@@ -405,9 +405,7 @@ void create_parts(Model& model, MPI_Comm comm, const ModelInput& input) {
     model.n_elements += part.n_elements;
     model.n_nodes += part.n_nodes;
     ask_moduli(part, input);
-    // Measured shares of an element's work that the laws have: see doc/developers/performance.md.
-    part.work =
-        p->element->cost() * (0.8 + 0.2 * part.material->stress_law().cost() + (part.material->erosion ? 0.1 : 0.0));
+    part.work = input.balance.work.of_element(*p->element, *part.material);
     PartStore::Variables variables = variables_of(*part.material, part.first_criterion_state);
     variables.facet_loads = static_cast<int>(facet_loads(input).size());
     part.store =

@@ -102,6 +102,7 @@ std::string summary_text(const Summary& s) {
   json["steps"] = json_of(s.steps);
   json["rebalances"] = Json::array();
   for (const Summary::Rebalance& r : s.rebalances) json["rebalances"].push_back(json_of(r));
+  json["work"] = json_of(s.work);
   json["observers"] = object_of(s.observers, [](const NamedNumbers& n) { return json_of(n); });
   // Names come from the user's file; a byte that is not UTF-8 must not cost the whole summary.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -106,6 +106,7 @@ struct Summary {
   std::map<std::string, Timer> timers;
   Timer steps;  // all phases that every step needs, together
   std::vector<Rebalance> rebalances;
+  NamedNumbers work;  // what was looked at in all cycles of this start, on all ranks
   std::map<std::string, NamedNumbers> observers;  // numbers of each; NaN as with measures
 };
 

@@ -55,7 +55,7 @@ void refuse_wrong_parts(const Partitioner& partitioner, const PartitionProblem& 
 
 }  // namespace
 
-std::vector<double> contact_work(Model& model) {
+std::vector<double> contact_work(Model& model, const std::vector<double>& node_work) {
   const ContactNodes surface(model);
   const std::vector<ExteriorFacet>& facets = model.surface.exterior(model.surface_mesh());
   // Exterior faces round each node, on all ranks together. A triangle repeats a corner, which counts once.
@@ -75,7 +75,8 @@ std::vector<double> contact_work(Model& model) {
     for (std::size_t k = 0; k < f.nodes.size(); ++k)
       if (!is_repeated(f, k) && surface.hold(model.nodes, f.nodes[k]))
         of_slot[static_cast<std::size_t>(f.part)][static_cast<std::size_t>(f.slot)] +=
-            1.0 / static_cast<double>(n_faces[static_cast<std::size_t>(f.nodes[k])]);
+            (node_work.empty() ? 1.0 : node_work[static_cast<std::size_t>(f.nodes[k])]) /
+            static_cast<double>(n_faces[static_cast<std::size_t>(f.nodes[k])]);
   std::vector<double> work;
   for (std::size_t p = 0; p < model.parts.size(); ++p)
     for (int s = 0; s < model.parts[p].store->n_slots(); ++s)
@@ -83,7 +84,26 @@ std::vector<double> contact_work(Model& model) {
   return work;
 }
 
-PartitionProblem problem_of(Model& model, const Partitioner& partitioner, int n_parts) {
+std::vector<double> element_work(Model& model, const std::vector<std::int64_t>& n_candidates) {
+  std::vector<double> work;
+  for (const PartModel& part : model.parts)
+    work.insert(work.end(), static_cast<std::size_t>(part.store->n_live()), part.work);
+  if (!model.input->balance.has_contact_with_elements() || model.input->contacts.empty()) return work;
+  const std::size_t n = static_cast<std::size_t>(model.nodes.n()) + NodeStore::n_dummies;
+  std::vector<std::int64_t> candidates = n_candidates;
+  candidates.resize(n, 0);
+  copy_to_ghosts(model, candidates.data(), 1);
+  std::vector<double> node_work;
+  for (const std::int64_t of_node : candidates)
+    node_work.push_back(model.input->balance.work.of_contact(static_cast<double>(of_node)));
+  const std::vector<double> contact = contact_work(model, node_work);
+  for (std::size_t e = 0; e < work.size(); ++e) work[e] += contact[e];
+  return work;
+}
+
+PartitionProblem problem_of(Model& model, const Partitioner& partitioner, int n_parts,
+                            std::optional<std::vector<double>> work) {
+  if (!work) work = element_work(model, {});
   PartitionProblem problem;
   problem.comm = model.comm;
   problem.n_parts = n_parts;
@@ -105,7 +125,7 @@ PartitionProblem problem_of(Model& model, const Partitioner& partitioner, int n_
       for (int k = 0; k < store.n_nodes(); ++k) centre = centre + model.nodes.x(store.node(s, k));
       centre = centre * (1.0 / store.n_nodes());
       problem.coordinates.insert(problem.coordinates.end(), {centre.x, centre.y, centre.z});
-      problem.weights.push_back(model.parts[p].work);
+      problem.weights.push_back((*work)[problem.ids.size() - 1]);
       if (!contact.empty()) problem.weights.push_back(contact[problem.ids.size() - 1]);
       problem.record_bytes.push_back(record_bytes_of(store));
       if (graph) {

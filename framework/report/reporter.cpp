@@ -12,6 +12,7 @@
 #include "output/file.hpp"
 #include "output/restart.hpp"
 #include "parallel/communicator.hpp"
+#include "report/balance_log.hpp"
 #include "report/due.hpp"
 #include "report/erosion_log.hpp"
 #include "report/result_fields.hpp"
@@ -94,6 +95,7 @@ void Reporter::start_anew(const std::string& folder) {
                                              input_.output.precision == "double");
   history_ = std::make_unique<HistoryWriter>(model.comm, folder + "history.csv", history_columns());
   erosion_log_ = std::make_unique<ErosionLog>(model.comm, folder + "erosion.csv");
+  balance_log_ = std::make_unique<BalanceLog>(model.comm, folder + "balance.csv");
   write_topology(model, *results_);
   write_frame();
   write_history(false);
@@ -122,6 +124,7 @@ void Reporter::resume(const std::string& folder) {
   history_ = std::make_unique<HistoryWriter>(
       HistoryWriter::resume(model.comm, folder + "history.csv", history_columns(), time));
   erosion_log_ = std::make_unique<ErosionLog>(ErosionLog::resume(model.comm, folder + "erosion.csv", time));
+  balance_log_ = std::make_unique<BalanceLog>(BalanceLog::resume(model.comm, folder + "balance.csv", time));
   observers_.resume(folder, due_.observers);
   last_ = simulation_.sample();
   // What the earlier run has written of this moment is not written again.
@@ -231,10 +234,11 @@ void Reporter::count_eroded(const std::vector<ErosionRecord>& records) {
     }
 }
 
-/// Writes what has been kept of erosions. The flag is the same on all ranks. Collective.
+/// Writes what has been kept of erosions and decisions. What there is to write is known to all ranks. Collective.
 void Reporter::write_erosions() {
   if (has_erosions_) erosion_log_->write();
   has_erosions_ = false;
+  balance_log_->write(simulation_.balancer().decisions());
 }
 
 void Reporter::write_frame() {
@@ -248,7 +252,7 @@ void Reporter::write_history(bool check) {
   last_ = simulation_.sample();
   last_history_cycle_ = simulation_.clock().cycle();
   last_.dt = simulation_.clock().last_dt();
-  last_.imbalance = Balancer::imbalance(simulation_.model());
+  last_.imbalance = simulation_.balancer().imbalance(simulation_.model());
   std::vector<double> row;
   for (const BookLine& line : book_lines())
     if ((line.places & in_history) != 0) row.push_back(line.value(last_));
@@ -262,6 +266,7 @@ void Reporter::write_restart() {
   observers_.sync();
   write_erosions();
   erosion_log_->sync();
+  balance_log_->sync();
   due_.n_frames = results_->n_frames();
   due_.observers = observers_.progress();
   due_.eroded_by = eroded_by_;
@@ -272,7 +277,7 @@ void Reporter::write_restart() {
 }
 
 void Reporter::progress_line() {
-  const double imbalance = Balancer::imbalance(simulation_.model());
+  const double imbalance = simulation_.balancer().imbalance(simulation_.model());
   const double elapsed = seconds_now() - start_seconds_;
   const double share = simulation_.clock().time() / input_.time.end;
   if (last_history_cycle_ != simulation_.clock().cycle()) last_ = simulation_.sample();
@@ -298,6 +303,7 @@ void Reporter::finish(const std::string& exit) {
     results_->close();
     history_->close();
     erosion_log_->close();
+    balance_log_->close();
     results_.reset();  // makes room for what measures need
   }
   // A run that was stopped says what is wrong already.

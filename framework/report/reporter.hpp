@@ -9,6 +9,7 @@
 #include "output/history.hpp"
 #include "output/results.hpp"
 #include "output/summary.hpp"
+#include "report/balance_log.hpp"
 #include "report/checkpoint.hpp"
 #include "report/erosion_log.hpp"
 #include "report/observer_host.hpp"
@@ -68,6 +69,7 @@ class Reporter final : public StepObserver {
   std::unique_ptr<ErosionLog> erosion_log_;
   std::unique_ptr<WorkRecorder> recorder_;  // where the input asks for one
   double next_recording_ = 0.0;  // [s]
+  std::unique_ptr<BalanceLog> balance_log_;
   OutputProgress due_;
   Balance last_;
   double results_interval_ = 0.0, history_interval_ = 0.0, restart_interval_ = 0.0, start_seconds_ = 0.0;

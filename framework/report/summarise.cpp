@@ -228,6 +228,15 @@ void add_no_tension(const Model& model, Summary& s) {
   }
 }
 
+/// Collective.
+void add_work_counts(const Model& model, const WorkCounts& mine, Summary& s) {
+  const auto add = [&](const char* name, std::int64_t n) { s.work[name] = static_cast<double>(sum_of(model.comm, n)); };
+  add("contact_nodes", mine.contact_nodes);
+  add("contact_candidates", mine.contact_candidates);
+  add("contact_touches", mine.contact_touches);
+  add("eroded_elements", mine.eroded_elements);
+}
+
 std::string number_or_null(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
 
 /// The measures, and below them why some are not known; equal reasons are told once.
@@ -307,6 +316,7 @@ Summary Reporter::summarise(const std::string& exit) {
   add_timers(s);
   for (const BalanceMove& r : simulation_.balancer().records())
     s.rebalances.push_back({r.cycle, r.imbalance_before, r.imbalance_after, r.elements_moved, r.seconds});
+  add_work_counts(model, simulation_.work_counts(), s);
   return s;
 }
 

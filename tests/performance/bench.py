@@ -19,6 +19,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import marks  # noqa: E402
+from calibrate import calibrate  # noqa: E402
 from runner import ROOT, BenchError, Runner, Samples  # noqa: E402
 from sections import SECTIONS, Bench  # noqa: E402
 
@@ -33,6 +34,9 @@ def parse_arguments() -> argparse.Namespace:
     by_default = [name for name, section in SECTIONS.items() if section.by_default]
     parser.add_argument("--only", nargs="+", choices=list(SECTIONS), metavar="SECTION",
                         help=f"of {', '.join(SECTIONS)}; by default {', '.join(by_default)}")
+    parser.add_argument("--calibrate", type=Path, metavar="FILE.yaml",
+                        help="measure the costs of elements, laws, contact and re-balancing, and nothing else, and "
+                        "write them to FILE.yaml for balance.work_model")
     parser.add_argument("--scratch", type=Path, metavar="DIR",
                         help="where runs write (default: below the build folder)")
     arguments = parser.parse_args()
@@ -75,6 +79,9 @@ def main() -> int:
         bench = Bench(Runner(Path(folder)), binary, baseline, arguments.repeats or (1 if arguments.quick else 5),
                       arguments.quick)
         try:
+            if arguments.calibrate:
+                calibrate(bench, arguments.calibrate, host)
+                return 0
             for name in arguments.only:
                 SECTIONS[name].measure(bench)
         except BenchError as error:

@@ -85,6 +85,10 @@ class Runner:
         self._count = 0
         self._running: list[subprocess.Popen] = []
 
+    @property
+    def scratch(self) -> Path:
+        return self._scratch
+
     def run(self, binary: str, case: Case, copy: bool = False) -> Run:
         if copy:
             os.sync()  # what earlier runs have left to the disk is not this one's
