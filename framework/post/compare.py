@@ -20,8 +20,8 @@ except ModuleNotFoundError as error:
              "names another Python")
 
 # How a run was computed or what it was called, not what it computed.
-NOT_PHYSICS = ("wall_seconds", "element_cycles_per_second", "timers", "steps", "rebalances", "ranks", "input", "title",
-               "kerf_version", "state_hash", "imbalance")
+NOT_PHYSICS = ("wall_seconds", "element_cycles_per_second", "timers", "steps", "rebalances", "work", "ranks", "input",
+               "title", "kerf_version", "state_hash", "imbalance")
 
 
 def flatten(value, name: str = "") -> dict[str, object]:
