@@ -62,7 +62,7 @@ class Cuts {
   // While cuts are made:
   std::span<const double> coordinates_, weights_;
   std::vector<std::int32_t> region_of_;  // per point
-  double per_weight_ = 1.0;  // units of weight
+  double per_weight_ = 1.0;  // units of weight; 0 where no point has any
 };
 
 /// The first region, which has all points; returns the greatest weight. Collective.
@@ -114,7 +114,7 @@ void Cuts::narrow(MPI_Comm comm, const std::vector<std::int32_t>& open, std::vec
     if (k < 0) continue;
     const Window& w = windows[k];
     const double x = coordinates_[3 * i + static_cast<std::size_t>(regions_[open[k]].axis)];
-    const std::int64_t weight = std::llrint(weights_[i] * per_weight_);
+    const std::int64_t weight = per_weight_ > 0.0 ? std::llrint(weights_[i] * per_weight_) : 1;  // or all are zero
     sums[row * k + n_bins] += weight;
     if (!(x >= w.low && x <= w.high)) continue;
     const double at = w.high > w.low ? (x - w.low) / (w.high - w.low) * static_cast<double>(n_bins) : 0.0;

@@ -117,6 +117,7 @@ class Validate : public testing::Test {
     registry.add_type<Brick>("element", "hex8", "", "");
     registry.add_type<SmallBrick>("element", "small_brick", "", "");
     registry.add_type<Pyramid>("element", "pyramid", "", "");
+    registry.add_type<OneRank>("partitioner", "bisection", "", "");
     registry.add_type<OneRank>("partitioner", "zoltan_rcb", "", "");
     registry.add_type<Still>("balance_policy", "threshold", "", "");
     registry.add_type<NoSpace>("partitioner", "no_space", "", "");
@@ -186,7 +187,7 @@ TEST_F(Validate, finds_a_partitioner_that_cannot_serve_contact) {
   EXPECT_EQ(errors({"balance.partitioner={type: no_space}"}), Lines{});
   EXPECT_EQ(errors({"balance.contact_partitioner={type: no_space}"}),
             Lines{"--set balance.contact_partitioner={type: no_space}: error: no_space does not divide space between "
-                  "ranks, as contact needs it; expected one that does, such as zoltan_rcb"});
+                  "ranks, as contact needs it; expected one that does, such as bisection or zoltan_rcb"});
 }
 
 TEST_F(Validate, finds_a_part_and_a_set_of_one_name) {
