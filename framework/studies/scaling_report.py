@@ -29,8 +29,8 @@ SOURCE = ("Factors as the POP Centre of Excellence defines them (https://co-desi
           "Frontiers and Innovations 1 (2014) 4-19): load balance = mean / largest useful time; communication "
           "efficiency = largest useful time / run time; parallel efficiency = their product; computation scaling = "
           "useful time of the reference / useful time, both of all ranks and for the same work; global efficiency = "
-          "parallel efficiency × computation scaling. Useful time is the work in the steps: all phases that every step needs, "
-          "without sending, receiving and waiting.")
+          "parallel efficiency × computation scaling. Useful time is the work in the steps: all phases that every step "
+          "needs, without sending, receiving and waiting.")
 
 
 def of_ranks(axes, ranks: list[int]) -> None:
