@@ -198,8 +198,8 @@ def test_a_run_writes_its_files_and_its_table(case):
                      done.stdout,
                      re.M)
     folder = case / "results" / "case"
-    assert sorted(p.name for p in folder.iterdir()) == ["erosion.csv", "history.csv", "restart", "results.vtkhdf",
-                                                         "summary.json"]
+    assert sorted(p.name for p in folder.iterdir()) == ["balance.csv", "erosion.csv", "history.csv", "restart",
+                                                         "results.vtkhdf", "summary.json"]
     summary = summary_of(folder)
     assert summary["exit"] == "completed" and summary["ranks"] == 1 and summary["end_time"] == pytest.approx(2e-6)
     assert f"state hash {summary['state_hash']}" in done.stdout
