@@ -142,12 +142,14 @@ def expect_measured(row, folder):
 def test_all_methods_are_measured_and_balance(study):
     rows = rows_of(study)
     methods = {row["method"] for row in rows}
-    assert methods == {"block", "zoltan_graph", "zoltan_hsfc", "zoltan_hypergraph", "zoltan_rcb", "zoltan_rib",
-                       "zoltan_scotch"}
+    assert methods == {"bisection", "block", "zoltan_graph", "zoltan_hsfc", "zoltan_hypergraph", "zoltan_rcb",
+                       "zoltan_rib", "zoltan_scotch"}
     assert {row["parts"] for row in rows} == {2, 3, 7} and len(rows) == 3 * len(methods)
     for row in rows:
         expect_measured(row, study)
-        assert row["element_balance"] < 1.1 and row["empty_parts"] == 0, row["method"]
+        # A plane of elements across a cut of `bisection` stays on one side: here a layer is a tenth of a part.
+        limit = 1.2 if row["method"] == "bisection" else 1.1
+        assert row["element_balance"] < limit and row["empty_parts"] == 0, row["method"]
         assert row["moved_elements"] is None
 
 
