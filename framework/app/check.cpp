@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "app/commands.hpp"
+#include "app/failures.hpp"
 #include "app/load_input.hpp"
 #include "core/activity.hpp"
 #include "core/diagnostics.hpp"
@@ -104,20 +105,12 @@ int check_command(const RunOptions& options, Registry& registry) {
     if (root) print_warnings(simulation.warnings());
     return exit_done;
   } catch (const InputError& e) {
-    if (root)
-      for (const std::string& line : e.lines()) fmt::print(stderr, "{}\n", line);
-    MPI_Barrier(runtime.comm());
-    return exit_input_error;
+    return fail_together(runtime.comm(), e.lines(), exit_input_error);
   } catch (const PhysicsError& e) {
-    if (root) fmt::print(stderr, "{}: error: the run cannot start: {}\n", options.input, e.what());
-    MPI_Barrier(runtime.comm());
-    return exit_physics;
+    return fail_together(runtime.comm(), {fmt::format("{}: error: the run cannot start: {}", options.input, e.what())},
+                         exit_physics);
   } catch (const std::exception& e) {
-    // Thrown on one rank only, perhaps: the others may be waiting for it.
-    fmt::print(stderr, "error: rank {}: {}\n", rank_of(runtime.comm()), e.what());
-    std::fflush(stderr);
-    if (size_of(runtime.comm()) > 1) MPI_Abort(runtime.comm(), exit_other);
-    return exit_other;
+    return fail_alone(runtime.comm(), e);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "app/commands.hpp"
+#include "app/failures.hpp"
 #include "app/load_input.hpp"
 #include "app/partition_study.hpp"
 #include "core/activity.hpp"
@@ -374,28 +375,16 @@ int partition_command(const PartitionOptions& options, Registry& registry) {
   int argc = 0;
   char** argv = nullptr;
   const ParallelRuntime runtime(argc, argv);
-  const bool root = rank_of(runtime.comm()) == 0;
-  const auto fail = [&](const std::vector<std::string>& lines, int code) {
-    std::fflush(stdout);
-    if (root)
-      for (const std::string& line : lines) fmt::print(stderr, "{}\n", line);
-    MPI_Barrier(runtime.comm());
-    return code;
-  };
   try {
     const auto input = load_input(runtime.comm(), options.run, registry);
     const activity::Task task("partitioning", {input->checks.stall_limit, "checks.stall_limit", exit_other});
     return Study(runtime.comm(), options, *input, registry).run();
   } catch (const InputError& e) {
-    return fail(e.lines(), exit_input_error);
+    return fail_together(runtime.comm(), e.lines(), exit_input_error);
   } catch (const OutputError& e) {
-    return fail({fmt::format("error: {}", e.what())}, exit_other);
+    return fail_together(runtime.comm(), {fmt::format("error: {}", e.what())}, exit_other);
   } catch (const std::exception& e) {
-    // Thrown on one rank only, perhaps: the others may be waiting for it.
-    fmt::print(stderr, "error: rank {}: {}\n", rank_of(runtime.comm()), e.what());
-    std::fflush(stderr);
-    if (size_of(runtime.comm()) > 1) MPI_Abort(runtime.comm(), exit_other);
-    return exit_other;
+    return fail_alone(runtime.comm(), e);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "app/commands.hpp"
+#include "app/failures.hpp"
 #include "app/load_input.hpp"
 #include "core/activity.hpp"
 #include "core/diagnostics.hpp"
@@ -29,17 +30,6 @@
 namespace kerf {
 
 namespace {
-
-/// Prints on rank 0 and waits, so that no rank ends the job before the lines are out.
-int fail(MPI_Comm comm, const std::vector<std::string>& lines, int code) {
-  if (rank_of(comm) == 0) {
-    std::fflush(stdout);
-    for (const std::string& line : lines) std::fputs((line + "\n").c_str(), stderr);  // nobody to tell if this fails
-    std::fflush(stderr);
-  }
-  MPI_Barrier(comm);
-  return code;
-}
 
 std::string output_folder(const RunOptions& options) {
   if (!options.output.empty()) return options.output;
@@ -113,14 +103,14 @@ int run_to_end(MPI_Comm comm, const RunOptions& options, const std::string& fold
     try {
       reporter.finish(e.what());
     } catch (const OutputError&) {
-      fail(comm, {line}, exit_physics);
+      fail_together(comm, {line}, exit_physics);
       throw;
     }
-    return fail(comm, {line}, exit_physics);
+    return fail_together(comm, {line}, exit_physics);
   }
   reporter.finish(simulation.stopped_by_signal() ? "signal" : "completed");
   if (simulation.stopped_by_signal())
-    return fail(comm, {"stopped by a signal; go on with: " + resuming(options, folder)}, exit_signal);
+    return fail_together(comm, {"stopped by a signal; go on with: " + resuming(options, folder)}, exit_signal);
   return exit_done;
 }
 
@@ -162,18 +152,15 @@ int run_command(const RunOptions& options, Registry& registry) {
   try {
     return run(runtime.comm(), options, registry);
   } catch (const InputError& e) {
-    return fail(runtime.comm(), e.lines(), exit_input_error);
+    return fail_together(runtime.comm(), e.lines(), exit_input_error);
   } catch (const PhysicsError& e) {  // before the first step
-    return fail(runtime.comm(), {fmt::format("{}: error: the run cannot start: {}", options.input, e.what())},
-                exit_physics);
+    return fail_together(runtime.comm(), {fmt::format("{}: error: the run cannot start: {}", options.input, e.what())},
+                         exit_physics);
   } catch (const OutputError& e) {
-    return fail(runtime.comm(), {fmt::format("{}: error: the run stopped: {}", options.input, e.what())}, exit_other);
+    return fail_together(runtime.comm(), {fmt::format("{}: error: the run stopped: {}", options.input, e.what())},
+                         exit_other);
   } catch (const std::exception& e) {
-    // Thrown on one rank only, perhaps: the others may be waiting for it.
-    fmt::print(stderr, "error: rank {}: {}\n", rank_of(runtime.comm()), e.what());
-    std::fflush(stderr);
-    if (size_of(runtime.comm()) > 1) MPI_Abort(runtime.comm(), exit_other);
-    return exit_other;
+    return fail_alone(runtime.comm(), e);
   }
 }
 
