@@ -1,7 +1,10 @@
-// Closes what HDF5's library has opened.
+// Closes what HDF5's library has opened, and sets attributes of it.
 #pragma once
 
 #include <hdf5.h>
+
+#include <cstdint>
+#include <string>
 
 namespace kerf::hdf5 {
 
@@ -21,5 +24,10 @@ class Handle {
   hid_t id_;
   herr_t (*close_)(hid_t);
 };
+
+/// Sets an attribute of an open object, new or there already. False where that fails.
+bool put(hid_t object, const char* name, std::int64_t value);
+bool put(hid_t object, const char* name, double value);
+bool put(hid_t object, const char* name, const std::string& text);
 
 }  // namespace kerf::hdf5

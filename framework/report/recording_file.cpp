@@ -13,6 +13,7 @@ namespace kerf {
 namespace {
 
 using hdf5::Handle;
+using hdf5::put;
 
 constexpr std::int64_t format = 1;
 
@@ -28,24 +29,6 @@ hid_t memory_type() {
     return H5T_NATIVE_UINT8;
   else
     return H5T_NATIVE_INT64;
-}
-
-/// Sets an attribute, new or there already.
-bool put(hid_t object, const char* name, hid_t type, const void* value) {
-  if (H5Aexists(object, name) > 0 && H5Adelete(object, name) < 0) return false;
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  return attribute.good() && H5Awrite(attribute, type, value) >= 0;
-}
-template <class T>
-bool put(hid_t object, const char* name, T value) {
-  return put(object, name, memory_type<T>(), &value);
-}
-bool put(hid_t object, const char* name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, text.empty() ? 1 : text.size());
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  return put(object, name, type, text.empty() ? " " : text.data());
 }
 
 /// A table of rows of `width` values, or a list where `width` is 0.
