@@ -4,44 +4,12 @@
 #include <algorithm>
 
 #include "core/assert.hpp"
-#include "core/waiting.hpp"
 #include "parallel/communicator.hpp"
+#include "parallel/open_messages.hpp"
 
 namespace kerf {
 
 namespace {
-
-/// Messages whose length the receiver does not know, between ranks that know of each other.
-class OpenMessages {
- public:
-  OpenMessages(MPI_Comm comm, int tag) : comm_(comm), tag_(tag) {}
-  /// `words` must live until finish().
-  void send(int rank, const std::vector<std::int64_t>& words) {
-    const Waiting waiting;
-    sends_.emplace_back();
-    MPI_Isend(words.data(), static_cast<int>(words.size()), MPI_INT64_T, rank, tag_, comm_, &sends_.back());
-  }
-  std::vector<std::int64_t> receive(int rank) {
-    const Waiting waiting;
-    MPI_Message message = MPI_MESSAGE_NULL;
-    MPI_Status status;
-    MPI_Mprobe(rank, tag_, comm_, &message, &status);
-    int n = 0;
-    MPI_Get_count(&status, MPI_INT64_T, &n);
-    std::vector<std::int64_t> words(static_cast<std::size_t>(n));
-    MPI_Mrecv(words.data(), n, MPI_INT64_T, &message, MPI_STATUS_IGNORE);
-    return words;
-  }
-  void finish() {
-    const Waiting waiting;
-    MPI_Waitall(static_cast<int>(sends_.size()), sends_.data(), MPI_STATUSES_IGNORE);
-  }
-
- private:
-  MPI_Comm comm_;
-  int tag_;
-  std::vector<MPI_Request> sends_;
-};
 
 constexpr int request_tag = 7001, active_tag = 7002;
 constexpr int active_width = 1 + ContactChannel::share_width;  // place in the list of the owner, and the shares
@@ -154,13 +122,19 @@ void ContactChannel::activate(const std::vector<std::int32_t>& active, std::span
   for (const Peer& holder : holders_)
     if (!holder.items.empty()) take_active(holder, messages.receive(holder.rank));
   messages.finish();
-  for (const auto& [i, place] : active_own_) std::copy_n(&sums_[4 * static_cast<std::size_t>(place)], 3, shares_of(i));
+  answer(shares.data(), share_width, share_width);
+}
+
+/// The owners' sums become the rows of all holders.
+void ContactChannel::answer(std::int64_t* rows, int stride, int width) {
+  const auto sums_at = [this](std::int32_t place) { return &sums_[4 * static_cast<std::size_t>(place)]; };
+  const auto write = [&](std::int32_t i, const std::int64_t* row) {
+    std::copy_n(row, width, rows + static_cast<std::size_t>(i) * stride);
+  };
+  for (const auto& [i, place] : active_own_) write(i, sums_at(place));
   integers_.exchange(
-      comm_, active_holders_, active_owners_, share_width,
-      [&](std::int32_t place, std::int64_t* row) {
-        std::copy_n(&sums_[4 * static_cast<std::size_t>(place)], share_width, row);
-      },
-      [&](std::int32_t i, const std::int64_t* row) { std::copy_n(row, share_width, shares_of(i)); });
+      comm_, active_holders_, active_owners_, width,
+      [&](std::int32_t place, std::int64_t* row) { std::copy_n(sums_at(place), width, row); }, write);
 }
 
 const std::vector<std::int64_t>& ContactChannel::collect(const std::int64_t* rows, int stride, int width) {
@@ -184,16 +158,7 @@ void ContactChannel::sum(const std::int64_t* rows, std::int64_t* totals, int str
     return;
   }
   collect(rows, stride, width);
-  const auto write = [&](std::int32_t i, const std::int64_t* row) {
-    std::copy_n(row, width, totals + static_cast<std::size_t>(i) * stride);
-  };
-  for (const auto& [i, place] : active_own_) write(i, &sums_[4 * static_cast<std::size_t>(place)]);
-  integers_.exchange(
-      comm_, active_holders_, active_owners_, width,
-      [&](std::int32_t place, std::int64_t* row) {
-        std::copy_n(&sums_[4 * static_cast<std::size_t>(place)], width, row);
-      },
-      write);
+  answer(totals, stride, width);
 }
 
 }  // namespace kerf

@@ -61,6 +61,7 @@ class ContactChannel {
 
  private:
   std::int32_t place_of(std::int32_t node);
+  void answer(std::int64_t* rows, int stride, int width);
   void take_active(const Peer& holder, std::span<const std::int64_t> rows);
 
   MPI_Comm comm_;

@@ -11,8 +11,6 @@ namespace kerf {
 
 namespace {
 
-/// Cost of keeping one candidate until the next search, over the cost of searching for one slave.
-constexpr double candidate_work = 0.3;
 /// Ranks keep their boxes of space while the busiest has at most this times what it had in new ones, over the mean.
 constexpr double worst_share = 1.1;
 /// Distance that slaves may leave their rank's box before the next search, over its edge.

@@ -79,6 +79,9 @@ class ContactEngine {
     int first_;
   };
 
+  /// Cost of keeping one candidate until the next search, over the cost of searching for one slave.
+  static constexpr double candidate_work = 0.3;
+
   /// `space` is needed on more than one rank.
   ContactEngine(const Model& model, const Contact& law, std::unique_ptr<SpatialDecomposition> space);
 

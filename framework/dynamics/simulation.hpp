@@ -129,6 +129,7 @@ class Simulation {
   void agree(const Step& step, StepReduction mine, double local_step);
   void add_contact_forces(const Step& step);
   void reduce(const Step& step, ElementReport report);
+  std::vector<ContactNote> notes_of_efforts() const;
   std::vector<ImpactPace> next_paces(const std::vector<ContactNote>& notes) const;
   void tell_contacts(const Step& step, const std::vector<std::int64_t>& dead, const std::vector<ExteriorFacet>& opened);
   void erode(const Step& step);

@@ -8,6 +8,7 @@
 
 #include "core/waiting.hpp"
 #include "parallel/communicator.hpp"
+#include "parallel/open_messages.hpp"
 
 namespace kerf {
 
@@ -41,12 +42,6 @@ int next_tag(MPI_Comm comm) {
   return first_tag + static_cast<int>((*static_cast<std::int64_t*>(value))++ % 2);
 }
 
-int count_of(std::size_t n_items) {
-  if (n_items > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    throw std::runtime_error("a message has more items than MPI can count; use more ranks");
-  return static_cast<int>(n_items);
-}
-
 /// Receives a message of a tag if one has arrived.
 bool receive(MPI_Comm comm, int tag, MPI_Datatype item, const MessagePlace& place) {
   int arrived = 0;
@@ -62,6 +57,12 @@ bool receive(MPI_Comm comm, int tag, MPI_Datatype item, const MessagePlace& plac
 
 }  // namespace
 
+int count_of_items(std::size_t n_items) {
+  if (n_items > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw std::runtime_error("a message has more items than MPI can count; use more ranks");
+  return static_cast<int>(n_items);
+}
+
 void exchange_sparsely(MPI_Comm comm, MPI_Datatype item, const std::vector<OutgoingMessage>& outgoing,
                        const MessagePlace& place) {
   const Waiting waiting;
@@ -70,7 +71,7 @@ void exchange_sparsely(MPI_Comm comm, MPI_Datatype item, const std::vector<Outgo
   for (const OutgoingMessage& m : outgoing) {
     sends.emplace_back();
     // Synchronous: it is complete when its receiver has taken it.
-    MPI_Issend(m.data, count_of(m.n_items), item, m.rank, tag, comm, &sends.back());
+    MPI_Issend(m.data, count_of_items(m.n_items), item, m.rank, tag, comm, &sends.back());
   }
   MPI_Request barrier = MPI_REQUEST_NULL;
   for (int done = 0, all_taken = 0; done == 0;) {
@@ -151,28 +152,18 @@ void SparseExchange::deliver_among(const std::set<int>& to, const std::set<int>&
     if (rank != here) outgoing_[rank].resize(n_lists_);
   std::map<int, std::vector<std::int64_t>> packed = pack();
   messages_.clear();
-  std::vector<MPI_Request> sends;
-  const Waiting waiting;
+  OpenMessages messages(comm_, known_tag);
   for (auto& [rank, words] : packed) {
     if (rank == here) {
       messages_[here] = std::move(words);
       continue;
     }
     if (!to.contains(rank)) throw std::logic_error("a message to a rank that does not expect any");
-    sends.emplace_back();
-    MPI_Isend(words.data(), count_of(words.size()), MPI_INT64_T, rank, known_tag, comm_, &sends.back());
+    messages.send(rank, words);
   }
-  for (const int rank : from) {
-    if (rank == here) continue;
-    MPI_Message message = MPI_MESSAGE_NULL;
-    MPI_Status status;
-    MPI_Mprobe(rank, known_tag, comm_, &message, &status);
-    int n = 0;
-    MPI_Get_count(&status, MPI_INT64_T, &n);
-    messages_[rank].resize(static_cast<std::size_t>(n));
-    MPI_Mrecv(messages_[rank].data(), n, MPI_INT64_T, &message, MPI_STATUS_IGNORE);
-  }
-  MPI_Waitall(static_cast<int>(sends.size()), sends.data(), MPI_STATUSES_IGNORE);
+  for (const int rank : from)
+    if (rank != here) messages_[rank] = messages.receive(rank);
+  messages.finish();
   unpack();
 }
 

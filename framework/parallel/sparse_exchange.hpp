@@ -19,6 +19,9 @@
 
 namespace kerf {
 
+/// The count of items as MPI takes it. Throws std::runtime_error where there are too many.
+int count_of_items(std::size_t n_items);
+
 /// Items of one kind for one rank.
 struct OutgoingMessage {
   int rank = 0;

@@ -13,8 +13,6 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t n_corners = 8;
-/// Cost of one candidate at a search over the cost of a slave, as in contact/distribution.cpp.
-constexpr double candidate_work = 0.3;
 
 struct ElementFact {
   std::int64_t id = 0, nodes[n_corners] = {};
@@ -218,7 +216,7 @@ void WorkRecorder::add_costs(const Work& spent, std::int64_t n_nodes) {
   const std::vector<double> equal(element_work_.size(), 1.0);
   moment_.erosion_seconds = shares_of(moment_.n_eroding > 0.0 ? spent[erosion] / moment_.n_eroding : 0.0, equal);
   std::vector<double> search_work;
-  for (const double n : slave_candidates_) search_work.push_back(1.0 + candidate_work * n);
+  for (const double n : slave_candidates_) search_work.push_back(1.0 + ContactEngine::candidate_work * n);
   moment_.search_seconds = shares_of(spent[contact_search] / std::max(moment_.n_searches, 1.0), search_work);
   moment_.force_seconds = shares_of(spent[contact_forces] / n_cycles, slave_candidates_);
   node_seconds_ += spent[nodes];
