@@ -63,6 +63,15 @@ def draw_speed_up(rows: list[dict], axes) -> None:
     axes.set_title("speed-up", fontsize="medium")
 
 
+def finish_ratios(axes, ranks: list[int], label: str, title: str) -> None:
+    """The frame of what would be one on an ideal machine."""
+    axes.axhline(1.0, color=GREY, linewidth=0.8)
+    axes.set_ylim(bottom=0.0)
+    of_ranks(axes, ranks)
+    style(axes, label)
+    axes.set_title(title, fontsize="medium")
+
+
 def draw_efficiency(rows: list[dict], axes) -> None:
     ranks = [row["ranks"] for row in rows]
     axes.plot(ranks, [row["efficiency"] for row in rows], marker="o", color=BLUE, label=f"against {ranks[0]}")
@@ -70,11 +79,7 @@ def draw_efficiency(rows: list[dict], axes) -> None:
     if side:
         axes.plot([row["ranks"] for row in side], [row["efficiency_side_by_side"] for row in side], marker="s",
                   color=ORANGE, label="against serial runs side by side")
-    axes.axhline(1.0, color=GREY, linewidth=0.8)
-    axes.set_ylim(bottom=0.0)
-    of_ranks(axes, ranks)
-    style(axes, "efficiency")
-    axes.set_title("efficiency", fontsize="medium")
+    finish_ratios(axes, ranks, "efficiency", "efficiency")
 
 
 def draw_factors(rows: list[dict], axes) -> None:
@@ -82,11 +87,7 @@ def draw_factors(rows: list[dict], axes) -> None:
     for name, colour in SHOWN_FACTORS.items():
         axes.plot(ranks, [row["factors"][name] for row in rows], marker="o", markersize=4, color=colour,
                   label=name.replace("_", " "))
-    axes.axhline(1.0, color=GREY, linewidth=0.8)
-    axes.set_ylim(bottom=0.0)
-    of_ranks(axes, ranks)
-    style(axes, "factor")
-    axes.set_title("POP's factors", fontsize="medium")
+    finish_ratios(axes, ranks, "factor", "POP's factors")
 
 
 def draw_phases(rows: list[dict], axes) -> None:
