@@ -89,7 +89,11 @@ def test_the_good_library_loads_and_runs(library, case):
 
 
 def test_another_number_of_the_interface(library, tmp_path):
-    refused("another number of the interface", patched(library, tmp_path, b"interface=10\n", b"interface=11\n"))
+    number = re.search(rb"interface=(\d+)\n", library.read_bytes())[1]
+    foreign = number[:-1] + (b"0" if number[-1:] == b"9" else b"9")  # of the same length
+    said = refused("another number of the interface",
+                   patched(library, tmp_path, b"interface=" + number + b"\n", b"interface=" + foreign + b"\n"))
+    assert f"the interface version is {foreign.decode()} in the plugin and {number.decode()} here" in said
 
 
 def test_another_version_of_kerf_with_the_same_interface_is_taken(library, tmp_path):

@@ -139,17 +139,18 @@ def test_a_plugin_of_another_version_with_the_same_interface_loads(tmp_path):
 
 
 def test_a_plugin_of_another_interface_is_refused_with_every_difference(tmp_path):
+    here = json.loads((HERE.parent / "python" / "interface.json").read_text())["interface_version"]
     source = tmp_path / "foreign.cpp"
-    source.write_text("""
+    source.write_text(f"#define FOREIGN \"{here + 1}\"\n" + """
 #include <kerf/plugin.hpp>
 extern "C" {
-extern const char kerf_plugin_manifest_text[] = "interface=11\\nkerf=9.9\\nflags=-ffast-math\\nlane_width=4\\n";
+extern const char kerf_plugin_manifest_text[] = "interface=" FOREIGN "\\nkerf=9.9\\nflags=-ffast-math\\nlane_width=4\\n";
 }
 extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf::Registrar&) { __builtin_trap(); }
 """)
     done = call(KERF, "list", "--plugin", compile_library(source, tmp_path / "foreign.so", "-fvisibility=default"))
     assert done.returncode == 2
-    for text in ("the interface version is 11 in the plugin and 10 here",
+    for text in (f"the interface version is {here + 1} in the plugin and {here} here",
                  "the lane width is 4 in the plugin and 8 here",
                  "Kerf's version is \"9.9\" in the plugin and"):
         assert text in done.stderr
