@@ -19,12 +19,6 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-const char* name_of(MeetingPoint::Place place) {
-  constexpr const char* names[] = {"an exception", "its end",     "sums",      "greatest", "least",
-                                   "nearest",      "from_holder", "reactions", "contacts", "mass_in"};
-  return names[place];
-}
-
 template <class Field>
 std::vector<ObservedColumn> columns_named(const Field& field) {
   std::vector<ObservedColumn> columns;
@@ -40,26 +34,6 @@ const NodeField& require_node_field(const std::string& name) {
 }
 
 }  // namespace
-
-void MeetingPoint::come_to(Place place) const {
-  int range[2] = {place, -place};
-  MPI_Allreduce(MPI_IN_PLACE, range, 2, MPI_INT, MPI_MIN, comm_);
-  if (range[0] == failed) throw LeftBehind();
-  if (range[0] == -range[1]) return;
-  parted_ = true;
-  throw std::runtime_error(fmt::format(
-      "some ranks have come to {} and others to {}; collective functions have to be called by all ranks alike",
-      name_of(static_cast<Place>(range[0])), name_of(static_cast<Place>(-range[1]))));
-}
-
-/// Tells ranks that are in the observer still, unless all have left it.
-void MeetingPoint::leave() const {
-  if (std::exchange(parted_, false)) return;
-  int range[2] = {failed, 0};
-  MPI_Allreduce(MPI_IN_PLACE, range, 2, MPI_INT, MPI_MIN, comm_);
-}
-
-std::string MeetingPoint::common(const std::string& failure) const { return first_text(comm_, failure); }
 
 SimulationView::SimulationView(Simulation& simulation)
     : simulation_(simulation), meeting_(simulation.model().comm), listed_(simulation.model().parts.size()) {

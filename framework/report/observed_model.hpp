@@ -1,4 +1,4 @@
-// What observers see of a simulation, and what keeps the ranks together while an observer works.
+// What observers see of a simulation.
 #pragma once
 
 #include <mpi.h>
@@ -9,53 +9,9 @@
 
 #include "dynamics/simulation.hpp"
 #include "kerf/observer.hpp"
+#include "report/meeting_point.hpp"
 
 namespace kerf {
-
-/// Thrown out of a collective function of the model where another rank has left the observer: this rank has to leave
-/// it as well.
-class LeftBehind : public std::runtime_error {
- public:
-  LeftBehind() : std::runtime_error("another rank has stopped") {}
-};
-
-/// Sees to it that ranks meet in the same collective function or leave the observer together: an observer that throws
-/// on one rank must not leave the others waiting.
-class MeetingPoint {
- public:
-  enum Place : int { failed, done, sums, greatest, least, nearest, from_holder, reactions, contacts, mass_in };
-
-  explicit MeetingPoint(MPI_Comm comm) : comm_(comm) {}
-  /// Throws LeftBehind where a rank has failed, and std::runtime_error where ranks come to different places.
-  /// Collective.
-  void come_to(Place place) const;
-  /// Runs a piece of an observer. Returns what went wrong on the lowest rank where anything did, on all ranks; empty
-  /// where nothing did. Collective.
-  template <class Work>
-  std::string run(const Work& work) const {
-    std::string failure;
-    try {
-      work();
-      come_to(done);
-      return {};
-    } catch (const LeftBehind&) {
-      return common(failure);
-    } catch (const std::exception& e) {
-      failure = e.what();
-      if (failure.empty()) failure = "an exception without a word";
-    } catch (...) {
-      failure = "an exception of unknown type";
-    }
-    leave();
-    return common(failure);
-  }
-
- private:
-  void leave() const;
-  std::string common(const std::string& failure) const;
-  MPI_Comm comm_;
-  mutable bool parted_ = false;  // all ranks know that they came to different places
-};
 
 class SimulationView final : public ObservedModel {
  public:

@@ -11,6 +11,7 @@
 #include "kerf/plugin.hpp"
 #include "model/joining.hpp"
 #include "parallel/communicator.hpp"
+#include "report/measure_share.hpp"
 #include "report/reporter.hpp"
 #include "report/state_hash.hpp"
 
@@ -19,119 +20,6 @@ namespace kerf {
 namespace {
 
 std::array<double, 3> triple(Vec3 v) { return {v.x, v.y, v.z}; }
-
-struct FlatElement {
-  std::int64_t id, part;
-  double mass;
-  ElementNodeIds nodes;
-};
-
-/// Calls `take` with every live element of this rank.
-template <class Take>
-void each_element(const Model& model, const Take& take) {
-  for (std::size_t p = 0; p < model.parts.size(); ++p) {
-    const PartStore& store = *model.parts[p].store;
-    for (int s = 0; s < store.n_slots(); ++s) {
-      if (!store.live(s)) continue;
-      FlatElement e{store.id(s), static_cast<std::int64_t>(p), store.field(PartStore::mass).at(s, 0), {}};
-      for (int k = 0; k < store.n_nodes(); ++k) e.nodes[k] = model.nodes.id[store.node(s, k)];
-      take(e);
-    }
-  }
-}
-
-/// Calls `take` with every node that this rank owns.
-template <class Take>
-void each_node(const Model& model, const Take& take) {
-  for (int i = 0; i < model.nodes.n(); ++i)
-    if (model.nodes.owned[i]) take(model.nodes.record(i));
-}
-
-/// Calls `take` on rank 0 with all items of all ranks, which `each` shows on theirs: of one rank after the other, since
-/// rank 0 may not have room for all of them twice. Collective.
-template <class Item, class Each, class Take>
-void take_on_root(const Model& model, const Each& each, const Take& take) {
-  if (model.rank() == 0) each(model, take);
-  for (int r = 1; r < model.n_ranks(); ++r) {
-    std::vector<Item> items;
-    if (model.rank() == r) each(model, [&](const Item& item) { items.push_back(item); });
-    for (const Item& item : bring_to_root(model.comm, r, std::move(items))) take(item);
-  }
-}
-
-/// What parts give to the nodes that they share, on rank 0. Collective.
-void gather_shares(const Model& model, MeasureModel& m) {
-  if (!model.has_joined_parts()) return;
-  std::vector<NodeShare> shares = gather_to_root(model.comm, model.shared.shares);
-  std::stable_sort(shares.begin(), shares.end(),
-                   [](const NodeShare& a, const NodeShare& b) { return a.node < b.node; });
-  for (const NodeShare& s : shares) {
-    MeasureModel::Node& node = m.nodes[static_cast<std::size_t>(s.node)];
-    if (node.first_share < 0) node.first_share = static_cast<std::int32_t>(m.shares.size());
-    m.shares.push_back({s.node, s.part, s.mass});
-  }
-}
-
-/// The elements that have eroded, as the mesh made them. Collective, of use on rank 0. Pre: elements that live have
-/// their id in `gathered`.
-std::vector<MeasureModel::Element> eroded_elements(const Model& model, const MeasureModel& gathered) {
-  std::vector<MeasureModel::Element> eroded;
-  std::vector<std::int64_t> of_mesh;  // nodes
-  for (std::size_t p = 0; p < model.parts.size() && model.rank() == 0; ++p) {
-    const PartModel& part = model.parts[p];
-    for (std::int64_t e = 0; e < part.n_elements; ++e) {
-      if (gathered.elements[static_cast<std::size_t>(part.first_element + e)].id >= 0) continue;
-      const Shape& shape = part.store->shape();
-      MeasureModel::Element out{part.first_element + e, static_cast<int>(p), 0.0, {}, &shape};
-      const auto corners = part.input->mesh->element(e);
-      for (int k = 0; k < shape.n_nodes; ++k) of_mesh.push_back(part.first_node + corners[k]);
-      eroded.push_back(out);
-    }
-  }
-  const std::vector<std::int64_t> of_model = model.shared.ids.resolve(model.comm, of_mesh);
-  auto next = of_model.begin();
-  for (MeasureModel::Element& e : eroded)
-    for (int k = 0; k < e.shape->n_nodes; ++k) e.nodes[k] = static_cast<std::int32_t>(*next++);
-  return eroded;
-}
-
-/// All elements and nodes on rank 0, sorted by id; nodes that nobody holds have id -1. Collective.
-MeasureModel gather_model(const Model& model) {
-  MeasureModel m;
-  for (const PartModel& p : model.parts) {
-    m.parts.push_back(p.input->name);
-    m.initial_mass.push_back(p.initial_mass);
-  }
-  KERF_ASSERT(model.n_nodes <= std::numeric_limits<std::int32_t>::max(), "measures number nodes in 32 bits");
-  if (model.rank() == 0) {
-    for (std::int64_t n = 0; n < model.n_nodes; ++n)
-      m.nodes.push_back({-1, model.part_of_node(n), true, 0.0, {}, {}, {}});
-    m.elements.resize(static_cast<std::size_t>(model.n_elements), {-1, -1, 0.0, {}, &hexahedron});
-  }
-  take_on_root<NodeRecord>(
-      model, [](const Model& all, const auto& take) { each_node(all, take); },
-      [&](const NodeRecord& n) {
-        m.nodes[static_cast<std::size_t>(n.id)] = {n.id,
-                                                   n.part,
-                                                   n.free != 0,
-                                                   n.mass,
-                                                   {n.reference[0], n.reference[1], n.reference[2]},
-                                                   {n.position[0], n.position[1], n.position[2]},
-                                                   {n.velocity[0], n.velocity[1], n.velocity[2]}};
-      });
-  take_on_root<FlatElement>(
-      model, [](const Model& all, const auto& take) { each_element(all, take); },
-      [&](const FlatElement& e) {
-        MeasureModel::Element& out = m.elements[static_cast<std::size_t>(e.id)];
-        const Shape& shape = model.parts[static_cast<std::size_t>(e.part)].store->shape();
-        out = {e.id, static_cast<int>(e.part), e.mass, {}, &shape};
-        for (int k = 0; k < shape.n_nodes; ++k) out.nodes[k] = static_cast<std::int32_t>(e.nodes[k]);
-      });
-  gather_shares(model, m);
-  m.eroded = eroded_elements(model, m);
-  std::erase_if(m.elements, [](const MeasureModel::Element& e) { return e.id < 0; });
-  return m;
-}
 
 /// What elements have turned into heat by plastic flow: their internal energy, without what they started with and
 /// without the bulk viscosity's share, less what they hold elastically and would give back. That is, with the
@@ -358,14 +246,22 @@ void Reporter::add_parts(Summary& summary) {
 
 void Reporter::add_measures(Summary& summary) {
   if (input_.measures.empty()) return;
-  const MeasureModel model = gather_model(simulation_.model());
-  if (!root()) return;
-  for (const auto& m : input_.measures)
-    for (const auto& [name, value, reason] : m->evaluate(model)) {
+  const MeasureModel share = measure_share(simulation_.model());
+  MeasuringRanks ranks(simulation_.model());
+  for (const auto& m : input_.measures) {
+    MeasuredValues values;
+    const std::string failure = ranks.meeting().run([&] { values = m->evaluate(share, ranks); });
+    if (!failure.empty()) {
+      // The run itself is good: what was computed must not be lost for the sake of a measure.
+      values = {{"", std::numeric_limits<double>::quiet_NaN(), "the measure has failed: " + failure}};
+      summary.warnings.push_back(fmt::format("warning: measure {} ({}) has failed: {}", m->label, m->type, failure));
+    }
+    for (const auto& [name, value, reason] : values) {
       const std::string full = name.empty() ? m->label : m->label + "." + name;
       summary.measures[full] = value;
       if (!std::isfinite(value)) summary.not_measured[full] = reason;
     }
+  }
 }
 
 namespace {

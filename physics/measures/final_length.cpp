@@ -17,13 +17,9 @@ class FinalLength final : public Measure {
 
   std::vector<std::string> references() const override { return {part}; }
 
-  MeasuredValues evaluate(const MeasureModel& model) const override {
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
     const int number = measured_part(model, part, *this);
-    std::vector<std::int32_t> nodes;
-    for (std::size_t n = 0; n < model.nodes.size(); ++n)
-      if (model.belongs_to(model.nodes[n], number) && !model.nodes[n].free)
-        nodes.push_back(static_cast<std::int32_t>(n));
-    return {value_of_remnant(extent_along(model, nodes, unit(axis)), part)};
+    return {value_of_remnant(extent_along(model, ranks, live_nodes(model, number), unit(axis)), part)};
   }
 
   std::string part;

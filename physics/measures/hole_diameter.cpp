@@ -38,21 +38,22 @@ class HoleDiameter final : public Measure {
 
   std::vector<std::string> references() const override { return {part}; }
 
-  MeasuredValues evaluate(const MeasureModel& model) const override {
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
     const int number = measured_part(model, part, *this);
     const Vec3 n = unit(normal);
     // What hangs on by a node or an edge alone does not hold: the plate is what is connected through faces.
-    const std::vector<std::int32_t> body = largest_body(model, number, Link::face);
-    const std::string obstacle = body.empty() ? nothing_left(part) : trouble_with_symmetry(model, number);
+    const Body body = largest_body(model, ranks, number, Link::face);
+    const std::string obstacle = body.is_empty ? nothing_left(part) : trouble_with_symmetry(ranks, number);
     if (!obstacle.empty()) return nothing_known(obstacle);
 
-    BodySurface surface = surface_of(model, body);
+    BodySurface surface = surface_of(model, ranks, body);
+    const Extent planes = undeformed_extent(ranks, number, n);
+    Face entry = undeformed("entry", ranks, number, n, planes.high, planes);
+    Face exit = undeformed("exit", ranks, number, -n, -planes.low, planes);
+    if (!ranks.is_root()) return {};
     join_images(surface);
     std::vector<bool> on_face(surface.facets.size(), false);
-    const auto [exit_plane, entry_plane] = face_planes(model, number, n);
-    const double thickness = entry_plane - exit_plane;
-    const Face entry = look_at("entry", model, number, surface, n, entry_plane, thickness, on_face);
-    const Face exit = look_at("exit", model, number, surface, -n, -exit_plane, thickness, on_face);
+    for (Face* face : {&entry, &exit}) look_at(surface, *face, on_face);
     MeasuredValues values;
     add_opening(values, entry);
     add_opening(values, exit);
@@ -68,6 +69,9 @@ class HoleDiameter final : public Measure {
   /// What has become of one face of the plate.
   struct Face {
     std::string name;  // "entry" or "exit"
+    Vec3 outward;
+    double height = 0.0, tolerance = 0.0;  // of the undeformed face, along `outward` [m]
+    BodySurface undeformed;
     std::string obstacle;  // why nothing at all can be said about it; empty where something can
     FaceRest rest;
     FaceLoss loss;
@@ -86,12 +90,12 @@ class HoleDiameter final : public Measure {
   }
 
   /// Why the part cannot be completed by mirror images; empty where it can. A millionth of the part's size is far above
-  /// round-off and far below any cell.
-  std::string trouble_with_symmetry(const MeasureModel& model, int number) const {
+  /// round-off and far below any cell. Collective.
+  std::string trouble_with_symmetry(MeasureRanks& ranks, int number) const {
     for (const Vec3 s : {symmetry_normal, second_symmetry_normal}) {
       if (!(norm(s) > 0.0)) continue;
       const double at = dot(symmetry_point, unit(s));
-      const auto [low, high] = face_planes(model, number, unit(s));
+      const auto [low, high] = undeformed_extent(ranks, number, unit(s));
       const double tolerance = 1e-6 * (high - low);
       if (low < at - tolerance && high > at + tolerance)
         return "part " + part +
@@ -107,57 +111,46 @@ class HoleDiameter final : public Measure {
     if (norm(second_symmetry_normal) > 0.0) join_mirror_image(surface, second_symmetry_normal, symmetry_point, 1);
   }
 
-  /// Heights of the undeformed exit and entry face along the normal, from all nodes, eroded or not.
-  static std::pair<double, double> face_planes(const MeasureModel& model, int number, Vec3 n) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const MeasureModel::Node& node : model.nodes) {
-      if (!model.belongs_to(node, number)) continue;
-      low = min_of(low, dot(node.reference, n));
-      high = max_of(high, dot(node.reference, n));
-    }
-    return {low, high};
-  }
-
-  /// Looks at what is left of the face at `height`, and marks its facets. A thousandth of the thickness is far below
-  /// any layer of cells, and above the error of a normal that is given to four digits.
-  Face look_at(const std::string& name, const MeasureModel& model, int number, const BodySurface& surface, Vec3 outward,
-               double height, double thickness, std::vector<bool>& on_face) const {
-    const double tolerance = 1e-3 * thickness;
+  /// The face at `height` before anything happened. A thousandth of the thickness is far below any layer of cells, and
+  /// above the error of a normal that is given to four digits. Collective.
+  Face undeformed(const std::string& name, MeasureRanks& ranks, int number, Vec3 outward, double height,
+                  Extent planes) const {
     Face face;
     face.name = name;
-    BodySurface undeformed = undeformed_face(model, number, outward, height, tolerance);
-    if (!covers_part(undeformed, model, number, outward)) {
+    face.outward = outward;
+    face.height = height;
+    face.tolerance = 1e-3 * (planes.high - planes.low);
+    face.undeformed = undeformed_face(ranks, number, outward, height, face.tolerance);
+    const std::vector<Vec3> all = items_on_root(ranks, hull_of(ranks.undeformed_nodes(number), outward));
+    // Whether the face is as large as the part is, seen from there. A wrong normal meets an edge, a corner or a strip.
+    if (!(hull_area(face.undeformed.reference, outward) > 0.9 * hull_area(all, outward)))
       face.no_opening = face.obstacle =
           "part " + part + " has no flat " + name + " face that is perpendicular to `normal`; look at `normal`";
-      return face;
-    }
-    join_images(undeformed);
+    return face;
+  }
+
+  /// Looks at what is left of a face, and marks its facets.
+  void look_at(const BodySurface& surface, Face& face, std::vector<bool>& on_face) const {
+    if (!face.obstacle.empty()) return;
+    join_images(face.undeformed);
     std::vector<std::int32_t> facets;
     for (std::size_t f = 0; f < surface.facets.size(); ++f) {
       const bool inside = std::all_of(surface.facets[f].begin(), surface.facets[f].end(), [&](std::int32_t v) {
-        return std::fabs(dot(surface.reference[static_cast<std::size_t>(v)], outward) - height) <= tolerance;
+        return std::fabs(dot(surface.reference[static_cast<std::size_t>(v)], face.outward) - face.height) <=
+               face.tolerance;
       });
       if (!inside) continue;
       facets.push_back(static_cast<std::int32_t>(f));
       on_face[f] = true;
     }
-    face.rest = rest_of_face(surface, facets, outward);
-    face.loss = loss_of_face(surface, face.rest, undeformed, outward);
-    measure_largest_hole(surface, outward, face);
-    return face;
-  }
-
-  /// Whether a face is as large as the part is, seen from there. A wrong normal meets an edge, a corner or a strip.
-  static bool covers_part(const BodySurface& face, const MeasureModel& model, int number, Vec3 outward) {
-    std::vector<Vec3> all;
-    for (const MeasureModel::Node& node : model.nodes)
-      if (model.belongs_to(node, number)) all.push_back(node.reference);
-    return hull_area(face.reference, outward) > 0.9 * hull_area(all, outward);
+    face.rest = rest_of_face(surface, facets, face.outward);
+    face.loss = loss_of_face(surface, face.rest, face.undeformed, face.outward);
+    measure_largest_hole(surface, face);
   }
 
   /// Of several holes, the one that took most of the face; craters of fragments are smaller. A larger loss that reaches
   /// the outline is what was looked for, and has no closed rim.
-  static void measure_largest_hole(const BodySurface& surface, Vec3 outward, Face& face) {
+  static void measure_largest_hole(const BodySurface& surface, Face& face) {
     const auto largest =
         std::max_element(face.rest.holes.begin(), face.rest.holes.end(),
                          [](const Rim& a, const Rim& b) { return a.reference_area < b.reference_area; });
@@ -169,7 +162,7 @@ class HoleDiameter final : public Measure {
     } else {
       std::vector<Vec3> line;
       for (const std::int32_t v : largest->vertices) line.push_back(surface.position[static_cast<std::size_t>(v)]);
-      face.opening = measure_opening(line, outward);
+      face.opening = measure_opening(line, face.outward);
       if (std::isnan(face.opening.area)) face.no_opening = "the hole in the " + face.name + " face is closed to a line";
     }
   }

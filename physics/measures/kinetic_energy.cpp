@@ -13,12 +13,13 @@ class KineticEnergy final : public Measure {
 
   std::vector<std::string> references() const override { return {part}; }
 
-  MeasuredValues evaluate(const MeasureModel& model) const override {
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
     const int number = measured_part(model, part, *this);
-    if (!any_node_left(model, number)) return {unknown("", no_node_left(part))};
-    double energy = 0.0;
-    for (const MeasureModel::Node& n : model.nodes)
-      energy += 0.5 * model.mass_in(n, number) * dot(n.velocity, n.velocity);
+    if (!any_node_left(model, ranks, number)) return {unknown("", no_node_left(part))};
+    const auto [energy] = sum_terms<1>(ranks, model.nodes.size(), [&](std::size_t i) {
+      const MeasureModel::Node& n = model.nodes[i];
+      return std::array{0.5 * model.mass_in(n, number) * dot(n.velocity, n.velocity)};
+    });
     return {{"", energy}};
   }
 

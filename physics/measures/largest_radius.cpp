@@ -26,21 +26,19 @@ class LargestRadius final : public Measure {
 
   std::vector<std::string> references() const override { return {part}; }
 
-  MeasuredValues evaluate(const MeasureModel& model) const override {
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
     const int number = measured_part(model, part, *this);
     const Vec3 a = unit(axis);
     const Vec3 across = unit(cross(a, std::fabs(a.x) < 0.6 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0}));
     const Vec3 directions[3] = {a, across, cross(a, across)};
-    Range undeformed[3], now[3];
-    for (const MeasureModel::Node& n : model.nodes) {
-      if (!model.belongs_to(n, number)) continue;
-      for (int d = 0; d < 3; ++d) {
-        undeformed[d].add(dot(n.reference - point, directions[d]));
-        if (!n.free) now[d].add(dot(n.position - point, directions[d]));
-      }
+    const std::vector<std::int32_t> live = live_nodes(model, number);
+    Extent undeformed[3], now[3];
+    for (int d = 0; d < 3; ++d) {
+      undeformed[d] = from_point(undeformed_extent(ranks, number, directions[d]), directions[d]);
+      now[d] = from_point(extent_of(model, ranks, live, directions[d]), directions[d]);
     }
-    if (!(now[0].high >= now[0].low)) return {unknown("", nothing_left(part))};
-    if (!(undeformed[1].holds_zero() && undeformed[2].holds_zero()) && !(now[1].holds_zero() && now[2].holds_zero()))
+    if (now[0].is_empty()) return {unknown("", nothing_left(part))};
+    if (!(holds_zero(undeformed[1]) && holds_zero(undeformed[2])) && !(holds_zero(now[1]) && holds_zero(now[2])))
       return {unknown("", "the axis does not pass through part " + part + "; look at `axis` and `point`")};
     const double height = now[0].low + dot(point, a) + at_height * (undeformed[0].high - undeformed[0].low);
     double largest = -1.0;
@@ -48,11 +46,12 @@ class LargestRadius final : public Measure {
       if (e.part != number) continue;
       for (int k = 0; k < e.shape->n_edges; ++k) {
         const auto& edge = e.shape->edge[k];
-        const Vec3 p = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[0])])].position;
-        const Vec3 q = model.nodes[static_cast<std::size_t>(e.nodes[static_cast<std::size_t>(edge[1])])].position;
+        const Vec3 p = model.node(e.nodes[static_cast<std::size_t>(edge[0])]).position;
+        const Vec3 q = model.node(e.nodes[static_cast<std::size_t>(edge[1])]).position;
         largest = max_of(largest, at_height < 0.0 ? max_of(radius(p, a), radius(q, a)) : radius_at(p, q, a, height));
       }
     }
+    largest = ranks.greatest({largest}).front();
     if (largest < 0.0) return {unknown("", "part " + part + " has become too short to reach `at_height`")};
     return {{"", largest}};
   }
@@ -62,18 +61,14 @@ class LargestRadius final : public Measure {
   double at_height = -1.0;  // negative where absent
 
  private:
-  /// Coordinates of the part along a direction, from `point` [m].
-  struct Range {
-    double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
-    void add(double s) {
-      low = min_of(low, s);
-      high = max_of(high, s);
-    }
-    /// The axis may lie on the part's side, as that of a quarter of a bar does. A thousandth of the width is far below
-    /// a cell, and far above the error of an axis that is given to four digits.
-    bool holds_zero() const { return low <= 1e-3 * (high - low) && high >= -1e-3 * (high - low); }
-  };
-
+  /// Coordinates along a direction, counted from `point`.
+  Extent from_point(Extent e, Vec3 direction) const {
+    const double from = dot(point, direction);
+    return {e.low - from, e.high - from};
+  }
+  /// The axis may lie on the part's side, as that of a quarter of a bar does. A thousandth of the width is far below
+  /// a cell, and far above the error of an axis that is given to four digits.
+  static bool holds_zero(Extent e) { return e.low <= 1e-3 * (e.high - e.low) && e.high >= -1e-3 * (e.high - e.low); }
   double radius(Vec3 x, Vec3 a) const {
     const Vec3 d = x - point;
     return norm(d - dot(d, a) * a);

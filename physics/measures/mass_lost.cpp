@@ -13,11 +13,11 @@ class MassLost final : public Measure {
 
   std::vector<std::string> references() const override { return {part}; }
 
-  MeasuredValues evaluate(const MeasureModel& model) const override {
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
     const int number = measured_part(model, part, *this);
-    double live = 0.0;
-    for (const MeasureModel::Element& e : model.elements)
-      if (e.part == number) live += e.mass;
+    const auto [live] = sum_terms<1>(ranks, model.elements.size(), [&](std::size_t i) {
+      return std::array{model.elements[i].part == number ? model.elements[i].mass : 0.0};
+    });
     const double initial = model.initial_mass[static_cast<std::size_t>(number)];
     // Both masses are sums of rounded numbers; less than any element is nothing.
     const double lost = initial - live > 1e-12 * initial ? initial - live : 0.0;

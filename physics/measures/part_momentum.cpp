@@ -13,15 +13,17 @@ class PartMomentum final : public Measure {
 
   std::vector<std::string> references() const override { return {part}; }
 
-  MeasuredValues evaluate(const MeasureModel& model) const override {
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
     const int number = measured_part(model, part, *this);
-    if (!any_node_left(model, number)) {
+    if (!any_node_left(model, ranks, number)) {
       const std::string reason = no_node_left(part);
       return {unknown("x", reason), unknown("y", reason), unknown("z", reason)};
     }
-    Vec3 momentum;
-    for (const MeasureModel::Node& n : model.nodes) momentum = momentum + model.mass_in(n, number) * n.velocity;
-    return {{"x", momentum.x}, {"y", momentum.y}, {"z", momentum.z}};
+    const auto [x, y, z] = sum_terms<3>(ranks, model.nodes.size(), [&](std::size_t i) {
+      const Vec3 momentum = model.mass_in(model.nodes[i], number) * model.nodes[i].velocity;
+      return std::array{momentum.x, momentum.y, momentum.z};
+    });
+    return {{"x", x}, {"y", y}, {"z", z}};
   }
 
   std::string part;

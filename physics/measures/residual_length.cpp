@@ -23,18 +23,18 @@ class ResidualLength final : public Measure {
 
   std::vector<std::string> references() const override { return {part}; }
 
-  MeasuredValues evaluate(const MeasureModel& model) const override {
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
     const int number = measured_part(model, part, *this);
-    const std::vector<std::int32_t> body = largest_body(model, number, Link::node);
-    if (body.empty()) return {unknown("", nothing_left(part))};
-    const std::vector<std::int32_t> nodes = nodes_of(model, body);
-    if (norm(axis) > 0.0) return {{"", extent_along(model, nodes, unit(axis))}};
-    const LongAxis now = long_axis(model, body, symmetry_normal);
+    const Body body = largest_body(model, ranks, number, Link::node);
+    if (body.is_empty) return {unknown("", nothing_left(part))};
+    const std::vector<std::int32_t> nodes = nodes_of(model, ranks, body);
+    if (norm(axis) > 0.0) return {{"", extent_along(model, ranks, nodes, unit(axis))}};
+    const LongAxis now = long_axis(model, ranks, body, symmetry_normal);
     if (!now.clear())
       return {unknown("", "what is left of part " + part + " is hardly longer than it is wide; give `axis`")};
-    if (lies_across(model, number, nodes, now.direction))
+    if (lies_across(model, ranks, number, nodes, now.direction))
       return {unknown("", "what is left of part " + part + " is wider than it is long; give `axis`")};
-    return {{"", extent_along(model, nodes, now.direction)}};
+    return {{"", extent_along(model, ranks, nodes, now.direction)}};
   }
 
   std::string part;
@@ -42,11 +42,11 @@ class ResidualLength final : public Measure {
 
  private:
   /// Whether a direction is nearer to the width of the undeformed part than to its length, as its material lies now.
-  bool lies_across(const MeasureModel& model, int number, const std::vector<std::int32_t>& nodes,
+  bool lies_across(const MeasureModel& model, MeasureRanks& ranks, int number, const std::vector<std::int32_t>& nodes,
                    Vec3 direction) const {
-    const LongAxis undeformed = undeformed_long_axis(model, number, symmetry_normal);
+    const LongAxis undeformed = undeformed_long_axis(ranks, number, symmetry_normal);
     if (!undeformed.clear()) return false;
-    const Vec3 length = carried_direction(model, nodes, undeformed.direction);
+    const Vec3 length = carried_direction(model, ranks, nodes, undeformed.direction);
     return norm(length) > 0.0 && std::fabs(dot(length, direction)) < std::sqrt(0.5);
   }
 };

@@ -16,22 +16,21 @@ class ResidualVelocity final : public Measure {
   std::vector<std::string> references() const override { return {part}; }
 
   // Elements are weighed, not nodes: a node keeps the mass of eroded elements, which the body has lost.
-  MeasuredValues evaluate(const MeasureModel& model) const override {
-    double mass = 0.0;
-    Vec3 momentum;
-    for (const std::int32_t i : largest_body(model, measured_part(model, part, *this), Link::node)) {
-      const MeasureModel::Element& e = model.elements[static_cast<std::size_t>(i)];
-      mass += e.mass;
-      const auto nodes = MeasureModel::nodes_of(e);
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-        momentum =
-            momentum + e.shape->mass_share[k] * e.mass * model.nodes[static_cast<std::size_t>(nodes[k])].velocity;
-    }
-    if (!(mass > 0.0)) {
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
+    const Body body = largest_body(model, ranks, measured_part(model, part, *this), Link::node);
+    if (body.is_empty) {
       const std::string reason = nothing_left(part);
       return {unknown("x", reason), unknown("y", reason), unknown("z", reason), unknown("speed", reason)};
     }
-    const Vec3 v = momentum * (1.0 / mass);
+    const auto [mass, x, y, z] = sum_terms<4>(ranks, body.elements.size(), [&](std::size_t i) {
+      const MeasureModel::Element& e = model.element(body.elements[i]);
+      Vec3 momentum;
+      const auto nodes = MeasureModel::nodes_of(e);
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        momentum = momentum + e.shape->mass_share[k] * e.mass * model.node(nodes[k]).velocity;
+      return std::array{e.mass, momentum.x, momentum.y, momentum.z};
+    });
+    const Vec3 v = Vec3{x, y, z} * (1.0 / mass);
     return {{"x", v.x}, {"y", v.y}, {"z", v.z}, {"speed", norm(v)}};
   }
 

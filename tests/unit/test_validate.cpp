@@ -97,7 +97,7 @@ struct Speed final : Measure {
   std::string part;
   static void describe(Schema<Speed>& s) { s.text(&Speed::part, "part", "part that is measured"); }
   Lines references() const override { return {part}; }
-  MeasuredValues evaluate(const MeasureModel&) const override { return {}; }
+  MeasuredValues evaluate(const MeasureModel&, MeasureRanks&) const override { return {}; }
 };
 
 struct Clamp final : Boundary {

@@ -1,7 +1,8 @@
 // The tilt of a body: the angle between an axis of the undeformed part and where that axis points at the end.
-#include <kerf/measure.hpp>
+#include <kerf/bodies/measured_bodies.hpp>
+#include <kerf/functions.hpp>
 
-#include <limits>
+#include <array>
 
 namespace {
 
@@ -20,42 +21,36 @@ struct @TYPE@ final : Measure {
   }
   std::vector<std::string> references() const override { return {part}; }
 
-  MeasuredValues evaluate(const MeasureModel& model) const override {
+  /// Called on all ranks together; each sees its own elements and nodes. `ranks.sums` adds the terms of all of them:
+  /// every rank gets the same bits, whoever owns what. Collective.
+  MeasuredValues evaluate(const MeasureModel& model, MeasureRanks& ranks) const override {
     const Vec3 a = axis * (1.0 / norm(axis));
-    const int number = number_of(model);
+    const int number = bodies::measured_part(model, part, *this);
+    const std::size_t n = model.nodes.size();
     // (i) means by mass, of nodes that belong to live elements
-    double mass = 0.0, s0 = 0.0;
-    Vec3 x0;
-    for (const MeasureModel::Node& n : model.nodes) {
-      const double m = weight(model, n, number);
-      mass += m;
-      if (m > 0.0) s0 += m * dot(a, n.reference);
-      if (m > 0.0) x0 = x0 + m * n.position;
-    }
-    if (!(mass > 0.0)) return {unknown("no element of part " + part + " is left")};
-    s0 /= mass;
-    x0 = x0 * (1.0 / mass);
+    const auto [mass, s, x, y, z] = bodies::sum_terms<5>(ranks, n, [&](std::size_t i) {
+      const MeasureModel::Node& node = model.nodes[i];
+      const double m = weight(model, node, number);
+      return std::array{m, m * dot(a, node.reference), m * node.position.x, m * node.position.y, m * node.position.z};
+    });
+    if (!(mass > 0.0)) return {bodies::unknown("", bodies::nothing_left(part))};
+    const double s0 = s / mass;
+    const Vec3 x0 = Vec3{x, y, z} * (1.0 / mass);
     // (ii) the axis as it is now, but for its length
-    Vec3 b;
-    for (const MeasureModel::Node& n : model.nodes) {
-      const double m = weight(model, n, number);
-      if (m > 0.0) b = b + (m * (dot(a, n.reference) - s0)) * (n.position - x0);
-    }
-    if (!(norm(b) > 0.0)) return {unknown("part " + part + " has no extent along the axis")};
+    const auto [bx, by, bz] = bodies::sum_terms<3>(ranks, n, [&](std::size_t i) {
+      const MeasureModel::Node& node = model.nodes[i];
+      const Vec3 term = (weight(model, node, number) * (dot(a, node.reference) - s0)) * (node.position - x0);
+      return std::array{term.x, term.y, term.z};
+    });
+    const Vec3 b{bx, by, bz};
+    if (!(norm(b) > 0.0)) return {bodies::unknown("", "part " + part + " has no extent along the axis")};
     return {{"", kerf::atan2(norm(cross(a, b)), dot(a, b))}};
   }
 
  private:
-  static MeasuredValue unknown(const std::string& reason) {
-    return {"", std::numeric_limits<double>::quiet_NaN(), reason};
-  }
-  int number_of(const MeasureModel& model) const {
-    int number = 0;
-    while (model.parts[static_cast<std::size_t>(number)] != part) ++number;  // the name has been validated
-    return number;
-  }
+  /// Zero for nodes that another rank owns, so that each node counts once.
   static double weight(const MeasureModel& model, const MeasureModel::Node& n, int part_number) {
-    return n.free || n.id < 0 ? 0.0 : model.mass_in(n, part_number);
+    return n.free ? 0.0 : model.mass_in(n, part_number);
   }
 };
 

@@ -15,11 +15,11 @@ struct Tilt final : kerf::Measure {
     s.rule("direction", "direction must not have zero length", [](const Tilt& t) { return norm(t.direction) > 0.0; });
   }
   std::vector<std::string> references() const override { return {part}; }
-  kerf::MeasuredValues evaluate(const kerf::MeasureModel& model) const override {
+  kerf::MeasuredValues evaluate(const kerf::MeasureModel& model, kerf::MeasureRanks& ranks) const override {
     using namespace kerf::bodies;
-    const auto body = largest_body(model, measured_part(model, part, *this), kerf::bodies::Link::node);
-    if (body.empty()) return {unknown("", nothing_left(part))};
-    const LongAxis axis = long_axis(model, body, {});
+    const Body body = largest_body(model, ranks, measured_part(model, part, *this), kerf::bodies::Link::node);
+    if (body.is_empty) return {unknown("", nothing_left(part))};
+    const LongAxis axis = long_axis(model, ranks, body, {});
     if (!axis.clear()) return {unknown("", "the largest piece of part " + part + " is about as wide as long")};
     const kerf::Vec3 along = unit(direction);
     return {{"", kerf::atan2(norm(cross(axis.direction, along)), std::fabs(dot(axis.direction, along)))}};

@@ -53,6 +53,9 @@ Opening measure_opening(const std::vector<Vec3>& line, Vec3 normal);
 /// Area of the convex hull of points that are projected on a plane [m2].
 double hull_area(const std::vector<Vec3>& points, Vec3 normal);
 
+/// Those of the points that are corners of their convex hull, seen along a normal.
+std::vector<Vec3> hull_of(const std::vector<Vec3>& points, Vec3 normal);
+
 // ---- how it is done
 
 namespace hole_detail {
@@ -174,6 +177,7 @@ inline std::unordered_set<std::uint64_t> edges_of(const std::vector<Rim>& rims) 
 
 struct Point {
   double x, y;
+  std::size_t number = 0;  // in the list that it comes from
 };
 
 inline double turn(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
@@ -201,7 +205,7 @@ inline std::vector<Point> projected_hull(const std::vector<Vec3>& line, Vec3 n) 
                                                                                           : Vec3{0.0, 0.0, 1.0};
   const Vec3 e1 = unit(cross(n, least)), e2 = cross(n, e1);
   std::vector<Point> points;
-  for (const Vec3 x : line) points.push_back({dot(x, e1), dot(x, e2)});
+  for (const Vec3 x : line) points.push_back({dot(x, e1), dot(x, e2), points.size()});
   return convex_hull(points);
 }
 
@@ -319,6 +323,15 @@ inline double hull_area(const std::vector<Vec3>& points, Vec3 normal) {
   double twice = 0.0;
   for (std::size_t i = 1; i + 1 < hull.size(); ++i) twice += hole_detail::turn(hull[0], hull[i], hull[i + 1]);
   return 0.5 * twice;
+}
+
+inline std::vector<Vec3> hull_of(const std::vector<Vec3>& points, Vec3 normal) {
+  if (points.size() <= 3) return points;
+  std::vector<Vec3> corners;
+  for (const hole_detail::Point p : hole_detail::projected_hull(points, unit(normal)))
+    corners.push_back(points[p.number]);
+  if (corners.empty()) corners.push_back(points.front());  // all lie at one place
+  return corners;
 }
 
 }  // namespace kerf::bodies
