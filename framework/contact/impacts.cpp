@@ -149,6 +149,13 @@ ImpactEffort Impacts::add_to(ContactForces& forces, ImpactExchange& exchange, co
   return effort;
 }
 
+void ImpactTally::add(const ImpactPace& pace, const ImpactEffort& effort) {
+  if (effort.first_excess > 0.0) ++steps;
+  if (effort.rounds < pace.rounds) return;
+  ++unsettled;
+  if (pace.rounds >= Impacts::most_rounds) ++at_limit;
+}
+
 ImpactPace Impacts::next_pace(const ImpactPace& last, const ImpactEffort& effort) {
   // Whether the last three rounds were enough nobody has looked at. So there are three more than were needed, and many
   // more at once where the last look has still found too much.

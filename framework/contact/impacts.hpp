@@ -89,6 +89,16 @@ struct ImpactEffort {
   }
 };
 
+/// In how many steps impacts were not solved as well as they should be, of all contact definitions together.
+struct ImpactTally {
+  std::int64_t steps = 0;  // in which any touch closed faster than it should
+  std::int64_t unsettled = 0;  // too much excess was left three rounds before the last one: nobody looks later
+  std::int64_t at_limit = 0;  // the same in a step that had the most rounds that there are
+
+  /// `pace` and `effort` are those of one step of all ranks.
+  void add(const ImpactPace& pace, const ImpactEffort& effort);
+};
+
 /// The impacts of all touches of this rank.
 ///
 /// Computed side by side, they leave some of the closing speed where touches share nodes, and further rounds take that

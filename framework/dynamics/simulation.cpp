@@ -334,6 +334,7 @@ Simulation::Progress Simulation::progress() const {
   agreement_->reach(now, notes);
   p.contact_step = contact_step(now.speeds);
   p.paces = next_paces(notes);
+  p.impacts = tally_with(notes);
   p.time = clock_.time();
   p.last_dt = clock_.last_dt();
   p.cycle = clock_.cycle();
@@ -353,6 +354,7 @@ void Simulation::resume(const Progress& p) {
   first_stable_ = p.first_stable;
   resumed_contact_step_ = p.contact_step;
   for (std::size_t k = 0; k < contact_plans_.size() && k < p.paces.size(); ++k) contact_plans_[k].pace = p.paces[k];
+  impact_tally_ = p.impacts;
   keeps_paces_ = true;
   balancer_.distribute_again(model_, p.cycle, p.time);
   erosion_->rearranged();

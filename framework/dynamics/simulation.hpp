@@ -93,6 +93,8 @@ class Simulation {
   std::string last_step_setter() const { return setter_name(last_limit_, last_id_); }
   /// What a user should look at before the run, as lines "origin: warning: what; what to do"; the same on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Of all ranks and steps, the last one included. Collective.
+  ImpactTally impact_tally() const;
   /// Adds one; the caller prints it.
   void warn(const std::string& text) { warnings_.push_back(text); }
   /// Warns of bodies that contact should have kept apart and that share volume now. Returns the new warnings, which
@@ -109,6 +111,7 @@ class Simulation {
     StepReduction reduction;
     double first_stable = 0.0, contact_step = 0.0;
     std::vector<ImpactPace> paces;  // of the coming step, by contact definition
+    ImpactTally impacts;
     ForceByNode contact_force;  // any superset of the nodes of this rank
     std::vector<ForceByNode> force_of_contact;  // of each definition, where books are kept
     std::vector<LoadOnNode> external_force;  // each node on any one rank
@@ -131,6 +134,7 @@ class Simulation {
   void reduce(const Step& step, ElementReport report);
   std::vector<ContactNote> notes_of_efforts() const;
   std::vector<ImpactPace> next_paces(const std::vector<ContactNote>& notes) const;
+  ImpactTally tally_with(const std::vector<ContactNote>& notes) const;
   void tell_contacts(const Step& step, const std::vector<std::int64_t>& dead, const std::vector<ExteriorFacet>& opened);
   void erode(const Step& step);
   void check_energy(const Balance& balance) const;
@@ -173,6 +177,7 @@ class Simulation {
   std::int64_t last_id_ = -1;  // the element that the last step was stable for, -1 for contact
   std::vector<std::pair<int, int>> overlaps_;  // of parts, at the start, without a contact between them
   double resumed_contact_step_ = 0.0;  // what contact allowed when the restart was written [s]; 0 if not resumed
+  ImpactTally impact_tally_;  // of all ranks, without the last forces
   bool keeps_paces_ = false;  // in the next reduction, because the last forces of contact are not those of the run
   bool signalled_ = false;
 };

@@ -27,6 +27,7 @@ void Simulation::start_contact(const ElementReport& report) {
   } while (reduction_.least_step < tried.least_step);
   reduction_ = tried;
   ledger_.let_go = {};  // of the tries
+  impact_tally_ = {};
 }
 
 /// Sum of the contact forces of all definitions per node. The restart file stores this sum, so its work must also be
@@ -106,6 +107,7 @@ void Simulation::agree(const Step& step, StepReduction mine, double local_step) 
     agreement_->reach(mine, notes);
   }
   reduction_ = mine;
+  impact_tally_ = tally_with(notes);
   const std::vector<ImpactPace> paces = next_paces(notes);
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     contact_plans_[k] = {notes[k].need.what, notes[k].need.has_news != 0, paces[k]};
@@ -118,6 +120,20 @@ std::vector<ImpactPace> Simulation::next_paces(const std::vector<ContactNote>& n
     paces.push_back(keeps_paces_ ? contact_plans_[k].pace
                                  : Impacts::next_pace(contact_plans_[k].pace, notes[k].effort));
   return paces;
+}
+
+/// The tally with the forces of the step that the notes are about.
+ImpactTally Simulation::tally_with(const std::vector<ContactNote>& notes) const {
+  ImpactTally tally = impact_tally_;
+  for (std::size_t k = 0; k < notes.size() && !keeps_paces_; ++k) tally.add(contact_plans_[k].pace, notes[k].effort);
+  return tally;
+}
+
+ImpactTally Simulation::impact_tally() const {
+  StepReduction now;
+  std::vector<ContactNote> notes = notes_of_efforts();
+  agreement_->reach(now, notes);
+  return tally_with(notes);
 }
 
 /// Tells all contact definitions, on all ranks, what has become of the surface: one exchange for all definitions.

@@ -76,6 +76,7 @@ std::string summary_text(const Summary& s) {
   json["exit"] = s.exit;
   json["energy"] = json_of(s.energy);
   json["hourglass"] = json_of(s.hourglass);
+  json["contact_impacts"] = json_of(s.contact_impacts);
   const Summary::ContactLetGo& let_go = s.contact_let_go;
   json["contact_let_go"] = {{"nodes", let_go.nodes},
                             {"mass", let_go.mass},

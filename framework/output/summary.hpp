@@ -94,6 +94,7 @@ struct Summary {
   NamedNumbers energy;  // the lines of the books that are energies [J], and the balance error
   Hourglass hourglass;
   ContactLetGo contact_let_go;
+  NamedNumbers contact_impacts;  // steps in which contact acted, and in which it was not solved to the end
   Momentum momentum;
   Mass mass;
   Eroded eroded;

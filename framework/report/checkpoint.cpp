@@ -244,6 +244,8 @@ void write_checkpoint(const std::string& path, const std::string& input_digest, 
   for (const ImpactPace& pace : p.paces)
     paces.insert(paces.end(), {static_cast<double>(pace.rounds), pace.first_excess});
   if (!paces.empty()) file.write_attribute("contact_paces", paces);
+  file.write_attribute("contact_impacts",
+                       std::vector<std::int64_t>{p.impacts.steps, p.impacts.unsettled, p.impacts.at_limit});
   file.write_attribute("balance_policy", p.balance_policy.type);
   if (!p.balance_policy.numbers.empty()) file.write_attribute("balance_policy_state", p.balance_policy.numbers);
   file.write_attribute("plugin_files", "plugins:\n" + output.plugin_files);  // no attribute is empty
@@ -278,6 +280,10 @@ OutputProgress read_checkpoint(const std::string& path, const std::string& input
   if (file.has_attribute("contact_paces")) {
     const auto paces = file.reals("contact_paces");
     for (std::size_t k = 0; k + 1 < paces.size(); k += 2) p.paces.push_back({static_cast<int>(paces[k]), paces[k + 1]});
+  }
+  if (file.has_attribute("contact_impacts")) {
+    const auto impacts = file.integers("contact_impacts");
+    p.impacts = {impacts.at(0), impacts.at(1), impacts.at(2)};
   }
   p.element_cycles = counters.at(2);
   p.reduction.least_id = counters.at(3);

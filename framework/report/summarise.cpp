@@ -103,6 +103,12 @@ void warn_of_nodes_let_go(Summary& s) {
                   s.contact_let_go.nodes, s.contact_let_go.deepest, s.contact_let_go.first_time));
 }
 
+void add_impacts(Summary& s, const ImpactTally& impacts) {
+  s.contact_impacts["steps"] = static_cast<double>(impacts.steps);
+  s.contact_impacts["unsettled"] = static_cast<double>(impacts.unsettled);
+  s.contact_impacts["at_limit"] = static_cast<double>(impacts.at_limit);
+}
+
 /// Elements that have failed and stayed. Collective.
 void add_no_tension(const Model& model, Summary& s) {
   for (const PartModel& part : model.parts) {
@@ -198,6 +204,7 @@ Summary Reporter::summarise(const std::string& exit) {
   warn_of_balance(s, b);
   warn_of_lost_parts(model, s);
   warn_of_nodes_let_go(s);
+  add_impacts(s, simulation_.impact_tally());
   add_parts(s);
   add_measures(s);
   observers_.add_to(s);
