@@ -126,6 +126,9 @@ class ContactEngine {
   std::size_t n_candidates() const;
   /// Surface nodes of this rank that candidates are looked for.
   std::size_t n_surface_nodes() const { return tracked_.size(); }
+  /// Ids of the slaves that this rank owns, with or without candidates.
+  std::vector<std::int64_t> slave_ids(const Model& model) const;
+  bool has_friction() const { return law_.response().friction > 0.0; }
   /// Candidates of the local nodes that this rank owns, at the last complete search; empty where the nodes have got
   /// other numbers since.
   const std::vector<std::int64_t>& candidates_of_nodes() const { return n_candidates_; }

@@ -2,6 +2,7 @@
 #include "report/work_recorder.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 #include "core/diagnostics.hpp"
@@ -49,6 +50,19 @@ std::vector<std::int64_t> sort_by_id(std::vector<Fact>& facts, const Id& id) {
   return ids;
 }
 
+/// Every slave once, with the candidates that it has in all definitions. Returns their nodes.
+std::vector<std::int64_t> join_slaves(std::vector<SlaveFact>& slaves) {
+  std::map<std::int64_t, double> candidates;
+  for (const SlaveFact& s : slaves) candidates[s.node] += s.candidates;
+  slaves.clear();
+  std::vector<std::int64_t> nodes;
+  for (const auto& [node, n] : candidates) {
+    slaves.push_back({node, n});
+    nodes.push_back(node);
+  }
+  return nodes;
+}
+
 /// Shares of a total in proportion to weights; equal ones where no weight is positive.
 std::vector<double> shares_of(double total, const std::vector<double>& weights) {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -63,24 +77,55 @@ constexpr std::size_t elements = TimerName("elements").index(), nodes = TimerNam
                       contact_forces = TimerName("contact_forces").index(), loads = TimerName("loads").index(),
                       erosion = TimerName("erosion").index();
 
-std::int64_t searches_of(const Simulation& simulation) {
-  std::int64_t n = 0;
-  for (const auto& c : simulation.contacts()) n += c->counts().searches + c->counts().renewals;
-  return n;
+/// Of all definitions.
+ContactEngine::Counts searches_of(const Simulation& simulation) {
+  ContactEngine::Counts all;
+  for (const auto& c : simulation.contacts()) {
+    all.searches += c->counts().searches;
+    all.renewals += c->counts().renewals;
+    all.refreshes += c->counts().refreshes;
+  }
+  return all;
+}
+
+/// The share of contact definitions that have friction.
+double friction_of(const Simulation& simulation) {
+  double n = 0.0;
+  for (const auto& c : simulation.contacts()) n += c->has_friction() ? 1.0 : 0.0;
+  return simulation.contacts().empty() ? 0.0 : n / static_cast<double>(simulation.contacts().size());
 }
 
 }  // namespace
 
-WorkRecorder::WorkRecorder(const std::string& path, const std::string& source, const Simulation& simulation)
-    : path_(path), source_(source) {
+WorkRecorder::WorkRecorder(const std::string& path, const std::string& source, bool resume,
+                           const Simulation& simulation)
+    : source_(source) {
   for (const PartModel& part : simulation.model().parts) {
     if (part.store->n_nodes() != static_cast<int>(n_corners))
       throw InputError({part.input->element->origin + ": error: a recording of work knows hexahedra only; take " +
                         "output.recording_interval out, or expected elements of eight nodes"});
     record_bytes_ = std::max(record_bytes_, static_cast<std::int64_t>(part.store->record_size() * sizeof(double)));
   }
-  on_root(simulation.model().comm, [&] { begin_recording(path_); });
+  open(path, resume, simulation);
   begin(simulation);
+}
+
+void WorkRecorder::open(const std::string& path, bool resume, const Simulation& simulation) {
+  const MPI_Comm comm = simulation.model().comm;
+  on_root(comm, [&] {
+    if (!resume) {
+      file_ = RecordingFile::create(path);
+      return;
+    }
+    const std::int64_t cycle = simulation.clock().cycle();
+    file_ = RecordingFile::resume(path, cycle);
+    node_seconds_ = file_.node_seconds();
+    node_cycles_ = file_.node_cycles();
+    if (const std::int64_t next = file_.next_cycle(); next <= cycle)
+      gap_ = "warning: " + path + " has no record of the cycles " + std::to_string(next) + " to " +
+             std::to_string(cycle) + ", before this start; a prediction does not count them";
+  });
+  broadcast_text(comm, gap_);
 }
 
 /// Of all ranks [s]. Collective.
@@ -99,6 +144,7 @@ void WorkRecorder::begin(const Simulation& simulation) {
   moment_.cycle = simulation.clock().cycle() + 1;
   moment_.time = simulation.clock().time();
   moment_.agreements = static_cast<double>(std::max<std::size_t>(simulation.contacts().size(), 1) - 1);
+  moment_.friction = friction_of(simulation);
   n_rounds_ = 0;
   eroded_.clear();
   searches_begun_ = searches_of(simulation);
@@ -156,6 +202,7 @@ void WorkRecorder::gather_contact(const Simulation& simulation) {
     const auto n_facets = static_cast<std::int64_t>(found.facet_id.size());
     for (const ContactTouch& t : c->touches().touches()) touching.push_back(t.node * n_facets + t.facet);
     std::sort(touching.begin(), touching.end());
+    for (const std::int64_t node : c->slave_ids(simulation.model())) slaves.push_back({node, 0.0});
     for (std::size_t row = 0; row < found.slave.size(); ++row) {
       const auto [begin, end] = found.candidates[row];
       const std::int64_t node = found.node_id[found.slave[row]];
@@ -182,7 +229,10 @@ void WorkRecorder::gather_contact(const Simulation& simulation) {
   slaves = gather_to_root(comm, slaves);
   facets = gather_to_root(comm, facets);
   pairs = gather_to_root(comm, pairs);
-  const std::vector<std::int64_t> slave_ids = sort_by_id(slaves, [](const SlaveFact& f) { return f.node; });
+  const std::vector<std::int64_t> slave_ids = join_slaves(slaves);
+  std::sort(pairs.begin(), pairs.end(), [](const PairFact& a, const PairFact& b) {
+    return a.slave != b.slave ? a.slave < b.slave : a.facet < b.facet;
+  });
   const std::vector<std::int64_t> facet_ids = sort_by_id(facets, [](const FacetFact& f) { return f.id; });
   slave_candidates_.clear();
   for (const SlaveFact& s : slaves) {
@@ -208,6 +258,15 @@ void WorkRecorder::count(const Simulation& simulation) {
   for (const ErosionRecord& r : simulation.eroded_now()) eroded_.push_back(r.element);
 }
 
+/// How often candidates were looked for in the interval. Where nobody has, its time still counts, as of one search. On
+/// rank 0.
+void WorkRecorder::count_searches(const ContactEngine::Counts& now) {
+  moment_.n_searches = static_cast<double>(now.searches - searches_begun_.searches);
+  moment_.n_renewals = static_cast<double>(now.renewals - searches_begun_.renewals);
+  moment_.n_refreshes = static_cast<double>(now.refreshes - searches_begun_.refreshes);
+  if (!moment_.slaves.empty() && moment_.n_searches + moment_.n_renewals == 0.0) moment_.n_renewals = 1.0;
+}
+
 /// Distributes what the interval has cost over elements and slaves. On rank 0.
 void WorkRecorder::add_costs(const Work& spent, std::int64_t n_nodes) {
   const auto n_cycles = static_cast<double>(moment_.n_cycles);
@@ -217,7 +276,9 @@ void WorkRecorder::add_costs(const Work& spent, std::int64_t n_nodes) {
   moment_.erosion_seconds = shares_of(moment_.n_eroding > 0.0 ? spent[erosion] / moment_.n_eroding : 0.0, equal);
   std::vector<double> search_work;
   for (const double n : slave_candidates_) search_work.push_back(1.0 + ContactEngine::candidate_work * n);
-  moment_.search_seconds = shares_of(spent[contact_search] / std::max(moment_.n_searches, 1.0), search_work);
+  // What is looked for anew in every cycle is counted to the searches and renewals.
+  const double n_searches = moment_.n_searches + moment_.n_renewals;
+  moment_.search_seconds = shares_of(spent[contact_search] / std::max(n_searches, 1.0), search_work);
   moment_.force_seconds = shares_of(spent[contact_forces] / n_cycles, slave_candidates_);
   node_seconds_ += spent[nodes];
   node_cycles_ += n_cycles * static_cast<double>(n_nodes);
@@ -239,13 +300,11 @@ void WorkRecorder::write(const Simulation& simulation) {
   const std::vector<std::int64_t> eroded = gather_to_root(comm, eroded_);
   on_root(comm, [&] {
     moment_.rounds = static_cast<double>(n_rounds_) / static_cast<double>(moment_.n_cycles);
-    const auto searches = static_cast<double>(searches_of(simulation) - searches_begun_);
-    moment_.n_searches = simulation.contacts().empty() ? 0.0 : std::max(searches, 1.0);
+    count_searches(searches_of(simulation));
     add_costs(spent, static_cast<std::int64_t>(node_ids_.size()));
     add_eroded(eroded);
-    append_recording(path_, n_moments_, moment_, {node_seconds_ / node_cycles_, record_bytes_, source_});
+    file_.append(moment_, {node_seconds_ / node_cycles_, record_bytes_, source_});
   });
-  ++n_moments_;
   begin(simulation);
 }
 
