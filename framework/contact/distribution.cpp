@@ -85,6 +85,16 @@ double ContactEngine::farthest_reach(const std::vector<ContactNodeRecord>& slave
   return std::min(reach, beyond);
 }
 
+void ContactEngine::note_spread(const std::vector<ContactNodeRecord>& slaves,
+                                const std::vector<ContactFacetRecord>& facets) {
+  spread_ = {farthest_reach(slaves), 0.0, static_cast<std::int64_t>(facets.size())};
+  for (const ContactFacetRecord& f : facets) {
+    double extent = 0.0;
+    for (int d = 0; d < 3; ++d) extent = std::max(extent, static_cast<double>(f.box.high[d]) - f.box.low[d]);
+    spread_.facets += std::clamp(0.5 * (extent - f.edge), 0.0, beyond);
+  }
+}
+
 /// Puts records into the post of the ranks whose box of space they concern, and makes the owners of their nodes known
 /// to these ranks.
 void ContactEngine::put(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets,

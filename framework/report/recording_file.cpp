@@ -23,6 +23,8 @@ void put_numbers(hdf5::Group& group, const RecordedMoment& m) {
   group.set_real("rounds", m.rounds);
   group.set_real("agreements", m.agreements);
   group.set_real("friction", m.friction);
+  group.set_real("slave_reach", m.slave_reach);
+  group.set_real("facet_reach", m.facet_reach);
   group.set_real("n_searches", m.n_searches);
   group.set_real("n_renewals", m.n_renewals);
   group.set_real("n_refreshes", m.n_refreshes);

@@ -25,6 +25,7 @@ struct RecordedMoment {
   // Of a cycle, the mean: rounds of impacts, reductions of contact besides that of the step, and the share of contact
   // definitions with friction.
   double rounds = 0.0, agreements = 0.0, friction = 0.0;
+  double slave_reach = 0.0, facet_reach = 0.0;  // of boxes of contact, beyond slaves and beyond corners of facets [m]
   // In all cycles: complete searches, renewals of all boxes, refreshes of some, and cycles in which elements erode.
   double n_searches = 0.0, n_renewals = 0.0, n_refreshes = 0.0, n_eroding = 0.0;
   std::vector<std::int64_t> eroded;  // places of the elements that die in one of the cycles with erosion

@@ -150,6 +150,7 @@ void WorkRecorder::begin(const Simulation& simulation) {
   searches_begun_ = searches_of(simulation);
   gather_elements(simulation);
   gather_contact(simulation);
+  gather_reaches(simulation);
   begun_ = work_of(simulation);
 }
 
@@ -246,6 +247,21 @@ void WorkRecorder::gather_contact(const Simulation& simulation) {
     moment_.pair_facet.push_back(place_in(facet_ids, p.facet));
     moment_.pair_touches.push_back(static_cast<std::uint8_t>(p.touches));
   }
+}
+
+/// How far boxes reach: of slaves the farthest, of facets the mean, over all definitions and ranks.
+void WorkRecorder::gather_reaches(const Simulation& simulation) {
+  double farthest = 0.0, sums[2] = {};
+  for (const auto& c : simulation.contacts()) {
+    farthest = std::max(farthest, c->spread().slave);
+    sums[0] += c->spread().facets;
+    sums[1] += static_cast<double>(c->spread().n_facets);
+  }
+  const MPI_Comm comm = simulation.model().comm;
+  MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, comm);
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, comm);
+  moment_.slave_reach = farthest;
+  moment_.facet_reach = sums[1] > 0.0 ? sums[0] / sums[1] : 0.0;
 }
 
 void WorkRecorder::count(const Simulation& simulation) {

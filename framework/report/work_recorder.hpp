@@ -32,6 +32,7 @@ class WorkRecorder {
   void open(const std::string& path, bool resume, const Simulation& simulation);
   void gather_elements(const Simulation& simulation);
   void gather_contact(const Simulation& simulation);
+  void gather_reaches(const Simulation& simulation);
   void count_searches(const ContactEngine::Counts& now);
   void add_costs(const Work& spent, std::int64_t n_nodes);
   void add_eroded(const std::vector<std::int64_t>& ids);

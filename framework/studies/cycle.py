@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from program import Messages, Program, joined
-from virtual_ranks import ContactScene, Mesh, VirtualRanks, opened_facets
+from virtual_ranks import ContactScene, Mesh, VirtualRanks, opened_by
 
 PHASES = ("nodes", "rebalance", "elements", "halo", "loads", "contact_search", "contact_forces", "erosion")
 
@@ -29,7 +29,12 @@ class Sizes:
     alive_flag: int = 8  # model/surface.cpp
     slave_record: int = 96  # contact/records.hpp: ContactNodeRecord
     facet_record: int = 216  # contact/records.hpp: ContactFacetRecord
-    opened: int = 5 * 216 + 8 * 96  # five facets and the nodes of an element that has eroded
+    record_header: int = 32  # contact/engine.hpp: Post::n_lists lengths of lists
+    holder: int = 4  # contact/distribution.cpp, put: a rank that looks at nodes
+    dead: int = 8  # contact/upkeep.cpp, announce_change: an id
+    candidate_count: int = 8  # contact/engine.cpp, count_candidates
+    frames: int = 128  # contact/foresight.cpp: sums over nodes of a body
+    extent: int = 56  # contact/distribution.cpp, extent_of: seven numbers
     element_header: int = 80  # model/migrator.cpp: Header
     element_record: int = 400  # model/part_store.hpp: record_size() fields; depends on element and material
     node_record: int = 128  # model/node_store.hpp: NodeRecord
@@ -55,7 +60,8 @@ class CycleWork:
     eroded: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # elements
     rounds: int = 12  # of impacts
     agreements: int = 0  # reductions of contact besides the one of the step
-    searches: bool = False
+    friction: bool = False
+    search: str = ""  # `complete`, `renewal` of all boxes, `refresh` of some
     moved: Messages | None = None  # elements that change their owners, in a cycle that re-balances
 
 
@@ -106,7 +112,7 @@ def add_sum_over_copies(program: Program, phase: str, halo: Messages, item_bytes
 
 def add_contact(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Sizes, rates: Rates) -> None:
     held, active = ranks.contact_pull, ranks.contact_active
-    if work.searches:
+    if work.search:
         add_search(program, ranks, work, sizes, rates)
     for _ in range(work.agreements):
         program.allreduce("contact_search", sizes.agreement)
@@ -122,7 +128,8 @@ def add_contact(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: S
         if k % 3 == 0:
             add_sum(program, active, sizes.load, rates)
         program.compute("contact_forces", step)
-    add_push(program, "contact_forces", answers(active), sizes.force, rates)
+    for _ in range(1 + work.friction):
+        add_push(program, "contact_forces", answers(active), sizes.force, rates)
     add_push(program, "halo", answers(ranks.halo), sizes.force, rates)
 
 
@@ -134,11 +141,37 @@ def add_sum(program: Program, active: Messages, item_bytes: int, rates: Rates) -
 
 def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Sizes, rates: Rates) -> None:
     """Records go to the ranks of contact, which look for candidates, ask for their nodes and tell their number."""
-    records = joined(ranks.contact_slaves, sizes.slave_record, ranks.contact_facets, sizes.facet_record)
-    program.consensus("contact_search", records, 1)
-    program.compute("contact_search", ranks.sum_over_slaves(work.contact.search_seconds))
-    for _ in range(2):
-        add_push(program, "contact_search", answers(ranks.contact_pull), sizes.request, rates)
+    if program.n_ranks == 1:
+        program.compute("contact_search", ranks.sum_over_slaves(search_seconds(work)))
+        return
+    records = joined((ranks.contact_slaves, sizes.slave_record), (ranks.contact_facets, sizes.facet_record),
+                     (ranks.contact_met, sizes.holder), header=sizes.record_header)
+    if work.search == "complete":
+        # Frames of bodies there and back, the extent, and whether the boxes of space are good enough.
+        for n_bytes in (sizes.frames, sizes.frames, 8 * program.n_ranks, sizes.extent):
+            program.allreduce("contact_search", n_bytes)
+        program.consensus("contact_search", records, 1)
+    elif work.search == "renewal":
+        program.exchange("contact_search", records, 1)
+    else:
+        told = Messages(records.source, records.destination, np.ones(len(records), dtype=np.int64))
+        program.exchange("contact_search", told, sizes.record_header)
+    program.compute("contact_search", ranks.sum_over_slaves(search_seconds(work)))
+    if work.search == "complete":
+        add_push(program, "contact_search", ranks.contact_asked, sizes.request, rates)
+        add_push(program, "contact_search", answers(ranks.contact_pull), sizes.candidate_count, rates)
+    else:
+        add_push(program, "contact_search", nothing_new(ranks.contact_asked), sizes.request, rates)
+
+
+def search_seconds(work: CycleWork) -> np.ndarray:
+    """A refresh is not timed by itself."""
+    return work.contact.search_seconds * (work.search != "refresh")
+
+
+def nothing_new(asked: Messages) -> Messages:
+    """The same messages without items: candidates have changed, but hardly any node is new."""
+    return Messages(asked.source, asked.destination, np.zeros(len(asked), dtype=np.int64))
 
 
 def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork, sizes: Sizes,
@@ -147,7 +180,12 @@ def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWo
         program.compute("erosion", ranks.sum_over_elements(work.erosion_seconds))
     add_sum_over_copies(program, "erosion", ranks.halo, sizes.live_count, rates)
     add_push(program, "erosion", ranks.interface_faces, sizes.alive_flag, rates)
-    program.consensus("erosion", opened_facets(ranks, mesh, work.eroded), sizes.opened)
+    if not len(work.contact.slaves) or program.n_ranks == 1:
+        return
+    opened = opened_by(ranks, mesh, work.contact, work.eroded)
+    program.consensus("erosion", joined((opened.facets, sizes.facet_record), (opened.slaves, sizes.slave_record),
+                                        (opened.dead, sizes.dead), header=sizes.record_header), 1)
+    add_push(program, "erosion", nothing_new(ranks.contact_asked), sizes.request, rates)
 
 
 def add_move(program: Program, ranks: VirtualRanks, moved: Messages, sizes: Sizes, rates: Rates) -> None:

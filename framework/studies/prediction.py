@@ -12,7 +12,7 @@ import cycle as cycles
 import loggp
 import pop
 from cuts import Cuts
-from program import Program
+from program import Program, Traffic, traffic_of
 from recording import Moment, Recording
 from virtual_ranks import VirtualRanks, moved_elements, share_out, share_out_contact
 
@@ -111,6 +111,7 @@ class Outcome:
     useful: dict[str, np.ndarray] = field(default_factory=dict)  # computing, per rank [s]
     moves: int = 0
     causes: dict[str, dict[str, float]] = field(default_factory=dict)
+    traffic: Traffic = field(default_factory=Traffic)  # of one cycle, the mean
 
     def total_useful(self) -> np.ndarray:
         return np.sum(list(self.useful.values()), axis=0)
@@ -123,9 +124,11 @@ class _Sum:
         self.n_ranks, self.seconds = n_ranks, 0.0
         self.phases: dict[str, float] = {}
         self.useful: dict[str, np.ndarray] = {}
+        self.traffic = Traffic()
 
     def add(self, clock: loggp.Clock, weight: float, program: Program) -> None:
         """Runs one cycle on a clock that has settled; it counts `weight` times."""
+        self.traffic.add(traffic_of(program), weight)
         start = clock.time.max()
         clock.spent.clear()
         clock.useful.clear()
@@ -139,10 +142,13 @@ class _Sum:
 def kinds_of_cycles(moment: Moment, moved, n_moves: int) -> list[tuple[cycles.CycleWork, float]]:
     """The different cycles of a moment, and how many of each there are."""
     plain = cycles.CycleWork(moment.element_seconds, moment.contact, moment.load_seconds, moment.erosion_seconds,
-                             rounds=max(round(moment.rounds), 1), agreements=max(round(moment.agreements), 0))
+                             rounds=max(round(moment.rounds), 1), agreements=max(round(moment.agreements), 0),
+                             friction=moment.friction > 0.5)
     kinds = [(plain, float(moment.n_cycles))]
     # A cycle in which more happens takes the place of a plain one.
-    for n, changes in ((moment.n_searches, {"searches": True}), (moment.n_eroding, {"eroded": moment.eroded}),
+    for n, changes in ((moment.n_searches, {"search": "complete"}),
+                       (moment.n_renewals, {"search": "renewal"}), (moment.n_refreshes, {"search": "refresh"}),
+                       (moment.n_eroding, {"eroded": moment.eroded}),
                        (float(n_moves), {"moved": moved})):
         if n > 0.0:
             kinds.append((replace(plain, **changes), n))
@@ -160,13 +166,14 @@ def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: 
     sizes = replace(cycles.Sizes(), element_record=recording.record_bytes)
     both = [n for network in networks for n in (network, loggp.ideal(network))]
     sums = [_Sum(n_ranks) for _ in both]
-    owners, since_move, n_moves = None, 0, 0
+    owners, since_move, n_moves, space = None, 0, 0, None
     for k, moment in enumerate(recording.moments):
         owners, moved, moves, since_move = _next_owners(recording, k, owners, n_ranks, partitions, policy, since_move)
         n_moves += moves
         ranks = share_out(moment.mesh, owners, n_ranks)
         if len(moment.contact.slaves):
-            share_out_contact(ranks, moment.mesh, moment.contact, contact_space)
+            share_out_contact(ranks, moment.mesh, moment.contact, contact_space, space)
+            space = ranks.space
         for total, network in zip(sums, both):
             _add_moment(total, network, ranks, moment, kinds_of_cycles(moment, moved, moves), sizes, rates, settling)
     n_cycles = sum(m.n_cycles for m in recording.moments)
@@ -179,7 +186,7 @@ def _outcome(partitions, policy, network, n_cycles: int, n_moves: int, real: _Su
     seconds = real.seconds / n_cycles
     return Outcome(real.n_ranks, partitions.name, policy.name, network.name, seconds, without.seconds / n_cycles,
                    {name: v / n_cycles for name, v in real.phases.items()}, useful, n_moves,
-                   pop.imbalance_by_cause(useful, seconds))
+                   pop.imbalance_by_cause(useful, seconds), real.traffic.over(n_cycles))
 
 
 def _next_owners(recording: Recording, k: int, before, n_ranks: int, partitions: Partitions, policy: Policy,
@@ -209,7 +216,7 @@ def _carry_over(earlier: Moment, moment: Moment, owners: np.ndarray) -> np.ndarr
 
 def _add_moment(total: _Sum, network: loggp.Network, ranks: VirtualRanks, moment: Moment, kinds, sizes, rates,
                 settling: int) -> None:
-    plain = kinds_of_cycles(replace(moment, n_searches=0.0, n_eroding=0.0), None, 0)[0][0]
+    plain = kinds_of_cycles(replace(moment, n_searches=0.0, n_renewals=0.0, n_refreshes=0.0, n_eroding=0.0), None, 0)[0][0]
     for work, weight in kinds:
         clock = loggp.Clock(network, ranks.n_ranks)
         settle = Program(ranks.n_ranks)
