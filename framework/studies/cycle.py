@@ -161,17 +161,12 @@ def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Si
         add_push(program, "contact_search", ranks.contact_asked, sizes.request, rates)
         add_push(program, "contact_search", answers(ranks.contact_pull), sizes.candidate_count, rates)
     else:
-        add_push(program, "contact_search", nothing_new(ranks.contact_asked), sizes.request, rates)
+        add_push(program, "contact_search", ranks.contact_unasked, sizes.request, rates)
 
 
 def search_seconds(work: CycleWork) -> np.ndarray:
     """A refresh is not timed by itself."""
     return work.contact.search_seconds * (work.search != "refresh")
-
-
-def nothing_new(asked: Messages) -> Messages:
-    """The same messages without items: candidates have changed, but hardly any node is new."""
-    return Messages(asked.source, asked.destination, np.zeros(len(asked), dtype=np.int64))
 
 
 def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork, sizes: Sizes,
@@ -183,9 +178,11 @@ def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWo
     if not len(work.contact.slaves) or program.n_ranks == 1:
         return
     opened = opened_by(ranks, mesh, work.contact, work.eroded)
-    program.consensus("erosion", joined((opened.facets, sizes.facet_record), (opened.slaves, sizes.slave_record),
-                                        (opened.dead, sizes.dead), header=sizes.record_header), 1)
-    add_push(program, "erosion", nothing_new(ranks.contact_asked), sizes.request, rates)
+    # Kerf times what contact hears of it as a search.
+    news = joined((opened.facets, sizes.facet_record), (opened.slaves, sizes.slave_record), (opened.dead, sizes.dead),
+                  header=sizes.record_header)
+    program.consensus("contact_search", news, 1)
+    add_push(program, "contact_search", ranks.contact_unasked, sizes.request, rates)
 
 
 def add_move(program: Program, ranks: VirtualRanks, moved: Messages, sizes: Sizes, rates: Rates) -> None:

@@ -174,8 +174,9 @@ def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: 
         if len(moment.contact.slaves):
             share_out_contact(ranks, moment.mesh, moment.contact, contact_space, space)
             space = ranks.space
+        settle, kinds = _programs(ranks, moment, moved, moves, sizes, rates, settling)
         for total, network in zip(sums, both):
-            _add_moment(total, network, ranks, moment, kinds_of_cycles(moment, moved, moves), sizes, rates, settling)
+            _add_moment(total, network, settle, kinds)
     n_cycles = sum(m.n_cycles for m in recording.moments)
     return [_outcome(partitions, policy, network, n_cycles, n_moves, real, without)
             for network, real, without in zip(networks, sums[::2], sums[1::2])]
@@ -214,15 +215,25 @@ def _carry_over(earlier: Moment, moment: Moment, owners: np.ndarray) -> np.ndarr
     return owners[order][at]
 
 
-def _add_moment(total: _Sum, network: loggp.Network, ranks: VirtualRanks, moment: Moment, kinds, sizes, rates,
-                settling: int) -> None:
-    plain = kinds_of_cycles(replace(moment, n_searches=0.0, n_renewals=0.0, n_refreshes=0.0, n_eroding=0.0), None, 0)[0][0]
-    for work, weight in kinds:
-        clock = loggp.Clock(network, ranks.n_ranks)
-        settle = Program(ranks.n_ranks)
-        for _ in range(settling):
-            cycles.add_cycle(settle, ranks, moment.mesh, plain, sizes, rates)
-        clock.run(settle)
+def _programs(ranks: VirtualRanks, moment: Moment, moved, n_moves: int, sizes, rates,
+              settling: int) -> tuple[Program, list[tuple[Program, float]]]:
+    """What settles the clocks, and a program of one cycle of each kind with the number of such cycles."""
+    quiet = replace(moment, n_searches=0.0, n_renewals=0.0, n_refreshes=0.0, n_eroding=0.0)
+    settle = Program(ranks.n_ranks)
+    for _ in range(settling):
+        cycles.add_cycle(settle, ranks, moment.mesh, kinds_of_cycles(quiet, None, 0)[0][0], sizes, rates)
+    kinds = []
+    for work, weight in kinds_of_cycles(moment, moved, n_moves):
         program = Program(ranks.n_ranks)
         cycles.add_cycle(program, ranks, moment.mesh, work, sizes, rates)
+        kinds.append((program, weight))
+    return settle, kinds
+
+
+def _add_moment(total: _Sum, network: loggp.Network, settle: Program, kinds: list[tuple[Program, float]]) -> None:
+    clock = loggp.Clock(network, settle.n_ranks)
+    clock.run(settle)
+    settled = clock.state()
+    for program, weight in kinds:
+        clock.set_state(settled)
         total.add(clock, weight, program)

@@ -109,16 +109,24 @@ def no_contact() -> ContactScene:
     return ContactScene(none, np.zeros((0, 4), dtype=np.int64), none, none, none.astype(bool), np.zeros(0), np.zeros(0))
 
 
+def different(keys: np.ndarray) -> np.ndarray:
+    """The different entries of a list, sorted."""
+    keys = np.sort(keys)
+    return keys[np.diff(keys, prepend=keys[0] - 1) != 0] if len(keys) else keys
+
+
 def unique_pairs(first, second, n_second: int) -> tuple[np.ndarray, np.ndarray]:
     """The different pairs of two numbers, sorted by the first."""
-    keys = np.unique(first.astype(np.int64) * n_second + second)
+    keys = different(first.astype(np.int64) * n_second + second)
     return keys // n_second, keys % n_second
 
 
 def count_messages(source, destination, n_ranks: int) -> Messages:
     """One message for each pair of different ranks, with as many items as there are entries."""
     other = source != destination
-    keys, items = np.unique(source[other].astype(np.int64) * n_ranks + destination[other], return_counts=True)
+    keys = np.sort(source[other].astype(np.int64) * n_ranks + destination[other])
+    first = np.flatnonzero(np.diff(keys, prepend=-1))
+    keys, items = keys[first], np.diff(np.append(first, len(keys)))
     return Messages(keys // n_ranks, keys % n_ranks, items)
 
 
@@ -165,6 +173,7 @@ class VirtualRanks:
     contact_facets: Messages = field(default_factory=no_messages)  # records of facets at a search
     contact_met: Messages = field(default_factory=no_messages)  # who holds an owner's nodes, at a search
     contact_asked: Messages = field(default_factory=no_messages)  # requests for nodes at a search; perhaps for none
+    contact_unasked: Messages = field(default_factory=no_messages)  # the same when no node is new
     space: ContactSpace | None = None  # of contact
 
     def sum_over_elements(self, seconds) -> np.ndarray:
@@ -346,11 +355,15 @@ def send_records(ranks: VirtualRanks, mesh: Mesh, scene: ContactScene, faces: Fa
     width = owner.shape[1]
     owner, holder, sender = owner.ravel(), np.repeat(rank, width), np.repeat(sender, width)
     apart = owner != holder
-    told = np.unique((sender[apart] * n + owner[apart]) * n + holder[apart])
+    told = different((sender[apart] * n + owner[apart]) * n + holder[apart])
     ranks.contact_met = count_messages(told // (n * n), told // n % n, n)
-    met_owner = np.concatenate([owner[apart], ranks.owner_of_node[scene.slaves], ranks.contact_pull.source])
-    met_holder = np.concatenate([holder[apart], ranks.contact_rank, ranks.contact_pull.destination])
-    ranks.contact_asked = with_items_of(count_messages(met_holder, met_owner, n), ranks.contact_pull.back(), n)
+    met = different(owner[apart] * n + holder[apart])
+    met_owner, met_holder = met // n, met % n
+    met_owner = np.concatenate([met_owner, ranks.owner_of_node[scene.slaves], ranks.contact_pull.source])
+    met_holder = np.concatenate([met_holder, ranks.contact_rank, ranks.contact_pull.destination])
+    asked = count_messages(met_holder, met_owner, n)
+    ranks.contact_asked = with_items_of(asked, ranks.contact_pull.back(), n)
+    ranks.contact_unasked = Messages(asked.source, asked.destination, np.zeros(len(asked), dtype=np.int64))
 
 
 @dataclass
