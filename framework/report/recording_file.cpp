@@ -23,6 +23,7 @@ void put_numbers(hdf5::Group& group, const RecordedMoment& m) {
   group.set_real("rounds", m.rounds);
   group.set_real("agreements", m.agreements);
   group.set_real("friction", m.friction);
+  group.set("n_loads", m.n_loads);
   group.set_real("slave_reach", m.slave_reach);
   group.set_real("facet_reach", m.facet_reach);
   group.set_real("n_searches", m.n_searches);
@@ -47,6 +48,7 @@ void RecordingFile::put(hdf5::Group& group, const char* name, const std::vector<
 
 void RecordingFile::put_arrays(hdf5::Group& group, const RecordedMoment& m) {
   put(group, "cells", m.cells, m.n_corners);
+  put(group, "node", m.node);
   put(group, "points", m.points, 3);
   put(group, "element", m.element);
   put(group, "element_seconds", m.element_seconds);

@@ -16,6 +16,7 @@ struct RecordedMoment {
   std::size_t n_corners = 8;  // nodes of an element
   std::vector<std::int64_t> element;  // ids
   std::vector<std::int64_t> cells;  // n_corners nodes per element
+  std::vector<std::int64_t> node;  // ids
   std::vector<double> points;  // three per node [m]
   std::vector<double> element_seconds, load_seconds, erosion_seconds;  // per element; the last of a cycle with erosion
   // Contact: nodes, facets with four nodes each, and pairs that are looked at, by places in the two.
@@ -25,6 +26,7 @@ struct RecordedMoment {
   // Of a cycle, the mean: rounds of impacts, reductions of contact besides that of the step, and the share of contact
   // definitions with friction.
   double rounds = 0.0, agreements = 0.0, friction = 0.0;
+  std::int64_t n_loads = 0;  // faces of elements that loads act on
   double slave_reach = 0.0, facet_reach = 0.0;  // of boxes of contact, beyond slaves and beyond corners of facets [m]
   // In all cycles: complete searches, renewals of all boxes, refreshes of some, and cycles in which elements erode.
   double n_searches = 0.0, n_renewals = 0.0, n_refreshes = 0.0, n_eroding = 0.0;

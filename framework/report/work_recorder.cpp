@@ -2,6 +2,7 @@
 #include "report/work_recorder.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -179,15 +180,16 @@ void WorkRecorder::gather_elements(const Simulation& simulation) {
   element_facts = gather_to_root(model.comm, element_facts);
   node_facts = gather_to_root(model.comm, node_facts);
   moment_.element = sort_by_id(element_facts, [](const ElementFact& f) { return f.id; });
-  node_ids_ = sort_by_id(node_facts, [](const NodeFact& f) { return f.id; });
+  moment_.node = sort_by_id(node_facts, [](const NodeFact& f) { return f.id; });
   for (const NodeFact& f : node_facts)
     moment_.points.insert(moment_.points.end(), std::begin(f.position), std::end(f.position));
   element_work_.clear();
   element_loads_.clear();
   for (const ElementFact& f : element_facts) {
-    for (const std::int64_t n : f.nodes) moment_.cells.push_back(place_in(node_ids_, n));
+    for (const std::int64_t n : f.nodes) moment_.cells.push_back(place_in(moment_.node, n));
     element_work_.push_back(f.work);
     element_loads_.push_back(f.loaded);
+    moment_.n_loads += std::llrint(f.loaded);
   }
 }
 
@@ -237,11 +239,11 @@ void WorkRecorder::gather_contact(const Simulation& simulation) {
   const std::vector<std::int64_t> facet_ids = sort_by_id(facets, [](const FacetFact& f) { return f.id; });
   slave_candidates_.clear();
   for (const SlaveFact& s : slaves) {
-    moment_.slaves.push_back(place_in(node_ids_, s.node));
+    moment_.slaves.push_back(place_in(moment_.node, s.node));
     slave_candidates_.push_back(s.candidates);
   }
   for (const FacetFact& f : facets)
-    for (const std::int64_t n : f.nodes) moment_.facets.push_back(place_in(node_ids_, n));
+    for (const std::int64_t n : f.nodes) moment_.facets.push_back(place_in(moment_.node, n));
   for (const PairFact& p : pairs) {
     moment_.pair_slave.push_back(place_in(slave_ids, p.slave));
     moment_.pair_facet.push_back(place_in(facet_ids, p.facet));
@@ -317,7 +319,7 @@ void WorkRecorder::write(const Simulation& simulation) {
   on_root(comm, [&] {
     moment_.rounds = static_cast<double>(n_rounds_) / static_cast<double>(moment_.n_cycles);
     count_searches(searches_of(simulation));
-    add_costs(spent, static_cast<std::int64_t>(node_ids_.size()));
+    add_costs(spent, static_cast<std::int64_t>(moment_.node.size()));
     add_eroded(eroded);
     file_.append(moment_, {node_seconds_ / node_cycles_, record_bytes_, source_});
   });

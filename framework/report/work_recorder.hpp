@@ -41,7 +41,6 @@ class WorkRecorder {
   RecordingFile file_;  // on rank 0
   // Of the present interval; the moment on rank 0.
   RecordedMoment moment_;
-  std::vector<std::int64_t> node_ids_;
   std::vector<double> element_work_, element_loads_;  // per element: by the work model; loads on its faces
   std::vector<double> slave_candidates_;
   Work begun_{};  // at its beginning [s]

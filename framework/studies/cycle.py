@@ -25,6 +25,7 @@ class Sizes:
     load: int = 32  # contact/engine.cpp, Exchange::add_up: four sums
     request: int = 8  # contact/channel.cpp, request: an id
     agreement: int = 8  # contact/engine.cpp: greatest(...)
+    surface_mark: int = 8  # contact/surface_records.cpp, surface_nodes
     live_count: int = 8  # erosion/neighbourhood.cpp
     alive_flag: int = 8  # model/surface.cpp
     slave_record: int = 96  # contact/records.hpp: ContactNodeRecord
@@ -61,6 +62,7 @@ class CycleWork:
     rounds: int = 12  # of impacts
     agreements: int = 0  # reductions of contact besides the one of the step
     friction: bool = False
+    loads: bool = False  # whether loads act on anything
     search: str = ""  # `complete`, `renewal` of all boxes, `refresh` of some
     moved: Messages | None = None  # elements that change their owners, in a cycle that re-balances
 
@@ -76,6 +78,8 @@ def add_cycle(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork
     if n > 1:
         add_sum_over_copies(program, "halo", ranks.halo, sizes.force, rates)
     if work.load_seconds is not None:
+        if n > 1 and work.loads:
+            add_sum_over_copies(program, "loads", ranks.halo, sizes.force, rates)
         program.compute("loads", ranks.sum_over_elements(work.load_seconds))
     in_contact = len(work.contact.slaves) > 0
     program.allreduce("halo", sizes.reduction + (sizes.contact_note if in_contact else 0))
@@ -147,6 +151,7 @@ def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Si
     records = joined((ranks.contact_slaves, sizes.slave_record), (ranks.contact_facets, sizes.facet_record),
                      (ranks.contact_met, sizes.holder), header=sizes.record_header)
     if work.search == "complete":
+        add_sum_over_copies(program, "contact_search", ranks.halo, sizes.surface_mark, rates)
         # Frames of bodies there and back, the extent, and whether the boxes of space are good enough.
         for n_bytes in (sizes.frames, sizes.frames, 8 * program.n_ranks, sizes.extent):
             program.allreduce("contact_search", n_bytes)
@@ -179,6 +184,7 @@ def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWo
         return
     opened = opened_by(ranks, mesh, work.contact, work.eroded)
     # Kerf times what contact hears of it as a search.
+    add_sum_over_copies(program, "contact_search", ranks.halo, sizes.surface_mark, rates)
     news = joined((opened.facets, sizes.facet_record), (opened.slaves, sizes.slave_record), (opened.dead, sizes.dead),
                   header=sizes.record_header)
     program.consensus("contact_search", news, 1)

@@ -14,7 +14,7 @@ import pop
 from cuts import Cuts
 from program import Program, Traffic, traffic_of
 from recording import Moment, Recording
-from virtual_ranks import VirtualRanks, moved_elements, share_out, share_out_contact
+from virtual_ranks import VirtualRanks, copies_of, moved_elements, share_out, share_out_contact
 
 
 class PartitionError(Exception):
@@ -143,7 +143,7 @@ def kinds_of_cycles(moment: Moment, moved, n_moves: int) -> list[tuple[cycles.Cy
     """The different cycles of a moment, and how many of each there are."""
     plain = cycles.CycleWork(moment.element_seconds, moment.contact, moment.load_seconds, moment.erosion_seconds,
                              rounds=max(round(moment.rounds), 1), agreements=max(round(moment.agreements), 0),
-                             friction=moment.friction > 0.5)
+                             friction=moment.friction > 0.5, loads=moment.n_loads > 0)
     kinds = [(plain, float(moment.n_cycles))]
     # A cycle in which more happens takes the place of a plain one.
     for n, changes in ((moment.n_searches, {"search": "complete"}),
@@ -166,11 +166,12 @@ def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: 
     sizes = replace(cycles.Sizes(), element_record=recording.record_bytes)
     both = [n for network in networks for n in (network, loggp.ideal(network))]
     sums = [_Sum(n_ranks) for _ in both]
-    owners, since_move, n_moves, space = None, 0, 0, None
+    owners, since_move, n_moves, space, copies = None, 0, 0, None, None
     for k, moment in enumerate(recording.moments):
         owners, moved, moves, since_move = _next_owners(recording, k, owners, n_ranks, partitions, policy, since_move)
         n_moves += moves
-        ranks = share_out(moment.mesh, owners, n_ranks)
+        ranks = share_out(moment.mesh, owners, n_ranks, None if moves else copies)
+        copies = copies_of(ranks, moment.mesh)
         if len(moment.contact.slaves):
             share_out_contact(ranks, moment.mesh, moment.contact, contact_space, space)
             space = ranks.space

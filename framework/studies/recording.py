@@ -34,6 +34,7 @@ class Moment:
     erosion_seconds: np.ndarray | None = None  # for each element, of a cycle with erosion [s]
     rounds: float = 12.0  # of impacts in a cycle, the mean
     agreements: float = 0.0  # reductions of contact in a cycle besides the one of the step, the mean
+    n_loads: int = 0  # faces that loads act on
     friction: float = 0.0  # share of the contact definitions that have it
     n_searches: float = 0.0  # complete ones, in all cycles together
     n_renewals: float = 0.0  # of all boxes
@@ -52,8 +53,8 @@ class Recording:
 
 
 MOMENT_ARRAYS = ("element", "element_seconds", "load_seconds", "erosion_seconds", "eroded")
-MOMENT_NUMBERS = ("cycle", "n_cycles", "time", "rounds", "agreements", "friction", "n_searches", "n_renewals",
-                  "n_refreshes", "n_eroding")
+MOMENT_NUMBERS = ("cycle", "n_cycles", "time", "rounds", "agreements", "n_loads", "friction", "n_searches",
+                  "n_renewals", "n_refreshes", "n_eroding")
 CONTACT_NUMBERS = ("slave_reach", "facet_reach")
 CONTACT_ARRAYS = ("slaves", "facets", "pair_slave", "pair_facet", "pair_touches", "search_seconds", "force_seconds")
 
@@ -71,6 +72,7 @@ def write_recording(path: Path, recording: Recording) -> None:
             for key in MOMENT_NUMBERS:
                 group.attrs[key] = getattr(moment, key)
             group["cells"], group["points"] = moment.mesh.cells, moment.mesh.points
+            group["node"] = moment.mesh.node_ids()
             for key in MOMENT_ARRAYS:
                 if getattr(moment, key) is not None:
                     group[key] = getattr(moment, key)
@@ -108,10 +110,10 @@ def _text(value) -> str:
 def _read_moment(group) -> Moment:
     arrays = {key: group[key][:] for key in MOMENT_ARRAYS if key in group}
     numbers = {key: group.attrs[key] for key in MOMENT_NUMBERS}
-    numbers = {key: int(v) if key in ("cycle", "n_cycles") else float(v) for key, v in numbers.items()}
+    numbers = {key: int(v) if key in ("cycle", "n_cycles", "n_loads") else float(v) for key, v in numbers.items()}
     contact = ContactScene(**{key: group[f"contact/{key}"][:] for key in CONTACT_ARRAYS},
                            **{key: float(group.attrs[key]) for key in CONTACT_NUMBERS})
-    return Moment(mesh=Mesh(group["cells"][:], group["points"][:]), contact=contact, **arrays, **numbers)
+    return Moment(mesh=Mesh(group["cells"][:], group["points"][:], group["node"][:]), contact=contact, **arrays, **numbers)
 
 
 def check(recording: Recording, name: str) -> None:
@@ -122,6 +124,8 @@ def check(recording: Recording, name: str) -> None:
     for k, m in enumerate(recording.moments):
         n, n_nodes = len(m.mesh.cells), len(m.mesh.points)
         c = m.contact
+        if len(m.mesh.node_ids()) != n_nodes:
+            errors.append(f"moment {k}: {len(m.mesh.node_ids())} ids of {n_nodes} nodes; expected one for each")
         for key in ("element", "element_seconds", "load_seconds", "erosion_seconds"):
             values = getattr(m, key)
             if values is not None and len(values) != n:

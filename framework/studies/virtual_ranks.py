@@ -42,6 +42,10 @@ class Mesh:
     """Live elements of one moment, and where their nodes are."""
     cells: np.ndarray  # (elements, nodes of a cell): numbers of nodes
     points: np.ndarray  # (nodes, 3) [m]
+    node: np.ndarray | None = None  # ids, ascending; numbers where there are none
+
+    def node_ids(self) -> np.ndarray:
+        return np.arange(len(self.points)) if self.node is None else self.node
 
     def centres(self) -> np.ndarray:
         return self.points[self.cells].mean(axis=1)
@@ -130,15 +134,16 @@ def count_messages(source, destination, n_ranks: int) -> Messages:
     return Messages(keys // n_ranks, keys % n_ranks, items)
 
 
-def node_owners(node: np.ndarray, rank: np.ndarray, n_ranks: int, n_nodes: int) -> np.ndarray:
-    """The owner of each node, given all pairs of a node and a rank that has it, sorted by node, then rank.
+def node_owners(node: np.ndarray, rank: np.ndarray, n_ranks: int, ids: np.ndarray) -> np.ndarray:
+    """The owner of each node, given the ids of all and all pairs of a node and a rank that has it, sorted by node, then
+    rank.
 
     Of h holders the one numbered (id / ranks) mod h. A node that nobody has belongs to rank 0.
     """
-    holders = np.bincount(node, minlength=n_nodes)
+    holders = np.bincount(node, minlength=len(ids))
     first = np.cumsum(holders) - holders
-    pick = first + (np.arange(n_nodes) // n_ranks) % np.maximum(holders, 1)
-    owner = np.zeros(n_nodes, dtype=np.int64)
+    pick = first + (ids // n_ranks) % np.maximum(holders, 1)
+    owner = np.zeros(len(ids), dtype=np.int64)
     held = holders > 0
     owner[held] = rank[pick[held]]
     return owner
@@ -188,21 +193,49 @@ class VirtualRanks:
         return np.bincount(self.contact_rank, weights=seconds, minlength=self.n_ranks)
 
 
-def share_out(mesh: Mesh, owners, n_ranks: int) -> VirtualRanks:
-    """Nodes, halo and interfaces of each rank, given the owner of each element."""
+@dataclass
+class Copies:
+    """Which ranks have had copies of which nodes since the mesh was last shared out: ids, and ranks. Their messages
+    stay as they are until the next migration, whatever has eroded."""
+    node: np.ndarray
+    rank: np.ndarray
+    halo: Messages
+
+    def among(self, ids: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of nodes that are still there: their numbers, and ranks."""
+        at = np.minimum(np.searchsorted(ids, self.node), len(ids) - 1)
+        there = ids[at] == self.node
+        return at[there], self.rank[there]
+
+
+def copies_of(ranks: VirtualRanks, mesh: Mesh) -> Copies:
+    return Copies(mesh.node_ids()[ranks.copy_of], ranks.copy_on, ranks.halo)
+
+
+def share_out(mesh: Mesh, owners, n_ranks: int, kept: Copies | None = None) -> VirtualRanks:
+    """Nodes, halo and interfaces of each rank, given the owner of each element.
+
+    `kept`: copies of an earlier moment, which ranks keep where their elements have eroded until the next migration.
+    """
     owners = np.asarray(owners, dtype=np.int64)
     if len(owners) != len(mesh.cells):
         raise ValueError(f"{len(owners)} owners for {len(mesh.cells)} elements; expected one for each")
     if len(owners) and not 0 <= owners.min() <= owners.max() < n_ranks:
         raise ValueError(f"owners from {owners.min()} to {owners.max()}; expected ranks from 0 to {n_ranks - 1}")
     n_nodes, width = len(mesh.points), mesh.cells.shape[1]
-    node, rank = unique_pairs(mesh.cells.ravel(), np.repeat(owners, width), n_ranks)
-    owner_of_node = node_owners(node, rank, n_ranks, n_nodes)
+    node, rank = mesh.cells.ravel(), np.repeat(owners, width)
+    if kept is not None:
+        old_node, old_rank = kept.among(mesh.node_ids())
+        node, rank = np.concatenate([node, old_node]), np.concatenate([rank, old_rank])
+    node, rank = unique_pairs(node, rank, n_ranks)
+    owner_of_node = node_owners(node, rank, n_ranks, mesh.node_ids())
     free, nearest = mesh.free_nodes
-    owner_of_node[free] = owners[nearest]
+    held = np.bincount(node, minlength=n_nodes) > 0
+    owner_of_node[free] = np.where(held[free], owner_of_node[free], owners[nearest])
     shared = np.bincount(node, minlength=n_nodes) > 1
+    halo = count_messages(rank, owner_of_node[node], n_ranks) if kept is None else kept.halo
     return VirtualRanks(n_ranks, owners, owner_of_node, np.bincount(owners, minlength=n_ranks),
-                        np.bincount(rank, minlength=n_ranks), count_messages(rank, owner_of_node[node], n_ranks),
+                        np.bincount(rank, minlength=n_ranks), halo,
                         match_faces(mesh.cells, owners, shared, n_ranks), node, rank)
 
 
