@@ -85,8 +85,8 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
 void Reporter::begin_recording() {
   const double interval = input_.output.recording_interval;
   if (!(interval > 0.0)) return;
-  recorder_ = std::make_unique<WorkRecorder>(settings_.folder + "/recording.h5", settings_.input_name, settings_.resume,
-                                             simulation_);
+  recorder_ = std::make_unique<WorkRecorder>(settings_.folder + "/recording.h5", settings_.input_name, interval,
+                                             settings_.resume, simulation_);
   if (!recorder_->gap().empty()) simulation_.warn(recorder_->gap());
   next_recording_ = next_due(interval, interval, simulation_.clock().time() + due_tolerance(input_.time));
 }

@@ -98,9 +98,9 @@ double friction_of(const Simulation& simulation) {
 
 }  // namespace
 
-WorkRecorder::WorkRecorder(const std::string& path, const std::string& source, bool resume,
+WorkRecorder::WorkRecorder(const std::string& path, const std::string& source, double interval, bool resume,
                            const Simulation& simulation)
-    : source_(source) {
+    : source_(source), interval_(interval) {
   for (const PartModel& part : simulation.model().parts) {
     if (part.store->n_nodes() != static_cast<int>(n_corners))
       throw InputError({part.input->element->origin + ": error: a recording of work knows hexahedra only; take " +
@@ -150,8 +150,7 @@ void WorkRecorder::begin(const Simulation& simulation) {
   eroded_.clear();
   searches_begun_ = searches_of(simulation);
   gather_elements(simulation);
-  gather_contact(simulation);
-  gather_reaches(simulation);
+  knows_contact_ = false;
   begun_ = work_of(simulation);
 }
 
@@ -193,8 +192,11 @@ void WorkRecorder::gather_elements(const Simulation& simulation) {
   }
 }
 
-/// The pairs of all definitions. A node or a facet that several definitions or ranks look at is there once.
+/// The pairs of all definitions, by nodes of the beginning: none can have joined since. A node or a facet that several
+/// definitions or ranks look at is there once.
 void WorkRecorder::gather_contact(const Simulation& simulation) {
+  knows_contact_ = true;
+  gather_reaches(simulation);
   std::vector<SlaveFact> slaves;
   std::vector<FacetFact> facets;
   std::vector<PairFact> pairs;
@@ -271,6 +273,7 @@ void WorkRecorder::count(const Simulation& simulation) {
   std::int64_t rounds = 0;
   for (const ContactPlan& plan : simulation.contact_plans()) rounds += plan.pace.rounds;
   n_rounds_ += rounds;
+  if (!knows_contact_ && simulation.clock().time() >= moment_.time + 0.5 * interval_) gather_contact(simulation);
   if (!simulation.any_eroded()) return;
   moment_.n_eroding += 1.0;
   for (const ErosionRecord& r : simulation.eroded_now()) eroded_.push_back(r.element);
@@ -312,6 +315,7 @@ void WorkRecorder::add_eroded(const std::vector<std::int64_t>& ids) {
 
 void WorkRecorder::write(const Simulation& simulation) {
   if (moment_.n_cycles == 0) return;
+  if (!knows_contact_) gather_contact(simulation);
   Work spent = work_of(simulation);
   for (std::size_t k = 0; k < spent.size(); ++k) spent[k] = std::max(spent[k] - begun_[k], 0.0);
   const MPI_Comm comm = simulation.model().comm;

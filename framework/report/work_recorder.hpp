@@ -11,13 +11,14 @@
 
 namespace kerf {
 
-/// Keeps the mesh and the contact of the beginning of an interval, and writes them at its end with the work that the
-/// interval has cost. Work is time without messages and waiting, added up over ranks.
+/// Keeps the mesh of the beginning of an interval and the contact of its middle, and writes them at its end with the
+/// work that the interval has cost. Work is time without messages and waiting, added up over ranks.
 class WorkRecorder {
  public:
   /// Begins the file, or goes on with that of the run that is resumed. Throws InputError where the model has elements
   /// that are no hexahedra. Collective, as everything here.
-  WorkRecorder(const std::string& path, const std::string& source, bool resume, const Simulation& simulation);
+  WorkRecorder(const std::string& path, const std::string& source, double interval, bool resume,
+               const Simulation& simulation);
   /// A sentence about cycles of the run that is resumed and that the file does not know, or empty.
   const std::string& gap() const { return gap_; }
   /// After every step.
@@ -38,11 +39,13 @@ class WorkRecorder {
   void add_eroded(const std::vector<std::int64_t>& ids);
 
   std::string source_, gap_;
+  double interval_;  // [s]
   RecordingFile file_;  // on rank 0
   // Of the present interval; the moment on rank 0.
   RecordedMoment moment_;
   std::vector<double> element_work_, element_loads_;  // per element: by the work model; loads on its faces
   std::vector<double> slave_candidates_;
+  bool knows_contact_ = false;
   Work begun_{};  // at its beginning [s]
   std::int64_t n_rounds_ = 0;
   ContactEngine::Counts searches_begun_;
