@@ -319,7 +319,8 @@ void WorkRecorder::write(const Simulation& simulation) {
   Work spent = work_of(simulation);
   for (std::size_t k = 0; k < spent.size(); ++k) spent[k] = std::max(spent[k] - begun_[k], 0.0);
   const MPI_Comm comm = simulation.model().comm;
-  const std::vector<std::int64_t> eroded = gather_to_root(comm, eroded_);
+  std::vector<std::int64_t> eroded = gather_to_root(comm, eroded_);
+  std::sort(eroded.begin(), eroded.end());  // the same on any number of ranks
   on_root(comm, [&] {
     moment_.rounds = static_cast<double>(n_rounds_) / static_cast<double>(moment_.n_cycles);
     count_searches(searches_of(simulation));
