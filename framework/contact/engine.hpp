@@ -128,13 +128,13 @@ class ContactEngine {
   std::size_t n_surface_nodes() const { return tracked_.size(); }
   /// Ids of the slaves that this rank owns, with or without candidates.
   std::vector<std::int64_t> slave_ids(const Model& model) const;
-  /// How far boxes reached at the last complete search, of this rank.
+  /// How far boxes reach, of this rank: what records of a search would be sent by.
   struct Spread {
-    double slave = 0.0;  // the farthest, out of the place that decides about the slave's rank [m]
-    double facets = 0.0;  // beyond the corners, added up over facets [m]
+    double slave = 0.0;  // of a slave, beyond its middle, the farthest [m]
+    double facets = 0.0;  // of facets, beyond their corners, added up [m]
     std::int64_t n_facets = 0;
   };
-  const Spread& spread() const { return spread_; }
+  Spread spread() const;
   bool has_friction() const { return law_.response().friction > 0.0; }
   /// Candidates of the local nodes that this rank owns, at the last complete search; empty where the nodes have got
   /// other numbers since.
@@ -195,7 +195,9 @@ class ContactEngine {
   };
   Extent extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
   double farthest_reach(const std::vector<ContactNodeRecord>& slaves) const;
-  void note_spread(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets);
+  static double half_edge(const Box& box);
+  double mean_half_edge() const;
+  void note_spread(const std::vector<ContactFacetRecord>& facets);
   void put(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets, Post& post);
   void take(std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets, const Post& post);
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
@@ -230,7 +232,8 @@ class ContactEngine {
   // difference from the frame's velocity up to which nodes counted [m2/s2].
   std::vector<ContactFrame> mean_frames_;
   std::vector<double> within_;
-  Spread spread_;
+  double facet_spread_ = 0.0;  // of the facets of the last complete search, beyond the boxes of their corners [m]
+  std::int64_t n_facets_ = 0;
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
   // Of the tracked nodes, seen from the frames of their bodies; apart, because few bodies have one of their own to look

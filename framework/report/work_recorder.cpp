@@ -257,15 +257,16 @@ void WorkRecorder::gather_contact(const Simulation& simulation) {
 void WorkRecorder::gather_reaches(const Simulation& simulation) {
   double farthest = 0.0, sums[2] = {};
   for (const auto& c : simulation.contacts()) {
-    farthest = std::max(farthest, c->spread().slave);
-    sums[0] += c->spread().facets;
-    sums[1] += static_cast<double>(c->spread().n_facets);
+    const ContactEngine::Spread spread = c->spread();
+    farthest = std::max(farthest, spread.slave);
+    sums[0] += spread.facets;
+    sums[1] += static_cast<double>(spread.n_facets);
   }
   const MPI_Comm comm = simulation.model().comm;
   MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, comm);
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, comm);
   moment_.slave_reach = farthest;
-  moment_.facet_reach = sums[1] > 0.0 ? sums[0] / sums[1] : 0.0;
+  moment_.facet_reach = sums[1] > 0.0 ? std::max(sums[0] / sums[1], 0.0) : 0.0;
 }
 
 void WorkRecorder::count(const Simulation& simulation) {
@@ -279,13 +280,11 @@ void WorkRecorder::count(const Simulation& simulation) {
   for (const ErosionRecord& r : simulation.eroded_now()) eroded_.push_back(r.element);
 }
 
-/// How often candidates were looked for in the interval. Where nobody has, its time still counts, as of one search. On
-/// rank 0.
+/// How often candidates were looked for in the interval. On rank 0.
 void WorkRecorder::count_searches(const ContactEngine::Counts& now) {
   moment_.n_searches = static_cast<double>(now.searches - searches_begun_.searches);
   moment_.n_renewals = static_cast<double>(now.renewals - searches_begun_.renewals);
   moment_.n_refreshes = static_cast<double>(now.refreshes - searches_begun_.refreshes);
-  if (!moment_.slaves.empty() && moment_.n_searches + moment_.n_renewals == 0.0) moment_.n_renewals = 1.0;
 }
 
 /// Distributes what the interval has cost over elements and slaves. On rank 0.
@@ -297,9 +296,9 @@ void WorkRecorder::add_costs(const Work& spent, std::int64_t n_nodes) {
   moment_.erosion_seconds = shares_of(moment_.n_eroding > 0.0 ? spent[erosion] / moment_.n_eroding : 0.0, equal);
   std::vector<double> search_work;
   for (const double n : slave_candidates_) search_work.push_back(1.0 + ContactEngine::candidate_work * n);
-  // What is looked for anew in every cycle is counted to the searches and renewals.
+  // What is looked for in every cycle is counted to searches and renewals, and to all cycles where there are none.
   const double n_searches = moment_.n_searches + moment_.n_renewals;
-  moment_.search_seconds = shares_of(spent[contact_search] / std::max(n_searches, 1.0), search_work);
+  moment_.search_seconds = shares_of(spent[contact_search] / (n_searches > 0.0 ? n_searches : n_cycles), search_work);
   moment_.force_seconds = shares_of(spent[contact_forces] / n_cycles, slave_candidates_);
   node_seconds_ += spent[nodes];
   node_cycles_ += n_cycles * static_cast<double>(n_nodes);

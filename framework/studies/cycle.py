@@ -64,6 +64,7 @@ class CycleWork:
     friction: bool = False
     loads: bool = False  # whether loads act on anything
     search: str = ""  # `complete`, `renewal` of all boxes, `refresh` of some
+    looks_always: bool = False  # there is no search in many cycles, and its time is that of every cycle
     moved: Messages | None = None  # elements that change their owners, in a cycle that re-balances
 
 
@@ -116,7 +117,9 @@ def add_sum_over_copies(program: Program, phase: str, halo: Messages, item_bytes
 
 def add_contact(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Sizes, rates: Rates) -> None:
     held, active = ranks.contact_pull, ranks.contact_active
-    if work.search:
+    if work.looks_always or work.search in ("complete", "renewal"):
+        program.compute("contact_search", ranks.sum_over_slaves(work.contact.search_seconds))
+    if work.search and program.n_ranks > 1:
         add_search(program, ranks, work, sizes, rates)
     for _ in range(work.agreements):
         program.allreduce("contact_search", sizes.agreement)
@@ -144,10 +147,7 @@ def add_sum(program: Program, active: Messages, item_bytes: int, rates: Rates) -
 
 
 def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Sizes, rates: Rates) -> None:
-    """Records go to the ranks of contact, which look for candidates, ask for their nodes and tell their number."""
-    if program.n_ranks == 1:
-        program.compute("contact_search", ranks.sum_over_slaves(search_seconds(work)))
-        return
+    """Records go to the ranks of contact, which ask for the nodes of their candidates and tell the number of these."""
     records = joined((ranks.contact_slaves, sizes.slave_record), (ranks.contact_facets, sizes.facet_record),
                      (ranks.contact_met, sizes.holder), header=sizes.record_header)
     if work.search == "complete":
@@ -161,17 +161,11 @@ def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Si
     else:
         told = Messages(records.source, records.destination, np.ones(len(records), dtype=np.int64))
         program.exchange("contact_search", told, sizes.record_header)
-    program.compute("contact_search", ranks.sum_over_slaves(search_seconds(work)))
     if work.search == "complete":
         add_push(program, "contact_search", ranks.contact_asked, sizes.request, rates)
         add_push(program, "contact_search", answers(ranks.contact_pull), sizes.candidate_count, rates)
     else:
         add_push(program, "contact_search", ranks.contact_unasked, sizes.request, rates)
-
-
-def search_seconds(work: CycleWork) -> np.ndarray:
-    """A refresh is not timed by itself."""
-    return work.contact.search_seconds * (work.search != "refresh")
 
 
 def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork, sizes: Sizes,

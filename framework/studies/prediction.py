@@ -139,11 +139,17 @@ class _Sum:
             self.useful[name] = self.useful.get(name, np.zeros(self.n_ranks)) + weight * values
 
 
+def plain_cycle(moment: Moment) -> cycles.CycleWork:
+    """Without a search, erosion or migration."""
+    return cycles.CycleWork(moment.element_seconds, moment.contact, moment.load_seconds, moment.erosion_seconds,
+                            rounds=max(round(moment.rounds), 1), agreements=max(round(moment.agreements), 0),
+                            friction=moment.friction > 0.5, loads=moment.n_loads > 0,
+                            looks_always=moment.n_searches + moment.n_renewals == 0.0)
+
+
 def kinds_of_cycles(moment: Moment, moved, n_moves: int) -> list[tuple[cycles.CycleWork, float]]:
     """The different cycles of a moment, and how many of each there are."""
-    plain = cycles.CycleWork(moment.element_seconds, moment.contact, moment.load_seconds, moment.erosion_seconds,
-                             rounds=max(round(moment.rounds), 1), agreements=max(round(moment.agreements), 0),
-                             friction=moment.friction > 0.5, loads=moment.n_loads > 0)
+    plain = plain_cycle(moment)
     kinds = [(plain, float(moment.n_cycles))]
     # A cycle in which more happens takes the place of a plain one.
     for n, changes in ((moment.n_searches, {"search": "complete"}),
@@ -219,11 +225,9 @@ def _carry_over(earlier: Moment, moment: Moment, owners: np.ndarray) -> np.ndarr
 def _programs(ranks: VirtualRanks, moment: Moment, moved, n_moves: int, sizes, rates,
               settling: int) -> tuple[Program, list[tuple[Program, float]]]:
     """What settles the clocks, and a program of one cycle of each kind with the number of such cycles."""
-    quiet = replace(moment, n_searches=0.0, n_renewals=0.0, n_refreshes=0.0, n_eroding=0.0)
-    settle = Program(ranks.n_ranks)
+    settle, kinds = Program(ranks.n_ranks), []
     for _ in range(settling):
-        cycles.add_cycle(settle, ranks, moment.mesh, kinds_of_cycles(quiet, None, 0)[0][0], sizes, rates)
-    kinds = []
+        cycles.add_cycle(settle, ranks, moment.mesh, plain_cycle(moment), sizes, rates)
     for work, weight in kinds_of_cycles(moment, moved, n_moves):
         program = Program(ranks.n_ranks)
         cycles.add_cycle(program, ranks, moment.mesh, work, sizes, rates)

@@ -91,6 +91,9 @@ def read_recording(path: Path) -> Recording:
             if file.attrs.get("kerf_recording") != FORMAT:
                 raise RecordingError(f"{path}: error: the file is no recording of format {FORMAT}; expected one that a "
                                      "run with a recording of its work has written")
+            if len(file["moments"]) == 0:
+                raise RecordingError(f"{path}: error: there is no moment; expected at least one: the run has ended "
+                                     "before it has written its first")
             moments = [_read_moment(file[f"moments/{k}"]) for k in range(len(file["moments"]))]
             recording = Recording(moments, float(file.attrs["node_seconds"]), int(file.attrs["record_bytes"]),
                                   _text(file.attrs["source"]))
