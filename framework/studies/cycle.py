@@ -46,7 +46,8 @@ class Sizes:
 class Rates:
     """Work that is not recorded per element or slave."""
     node: float = 2.0e-9  # kick and drift of one copy of a node [s]
-    packed: float = 1.0e-9  # per item that is packed or unpacked [s]
+    packed: float = 2.5e-8  # per item that is packed or unpacked [s]; measured, doc/theory/prediction.md
+    record: float = 4.0e-7  # per record of a search that a rank gets, its own among them [s]; measured, the same
     rebuild: float = 2.0e-6  # per element of a rank after a move: numbering, plans, surface [s]
     partition: float = 0.0  # per element of a rank, to find new owners [s]
 
@@ -161,6 +162,8 @@ def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Si
     else:
         told = Messages(records.source, records.destination, np.ones(len(records), dtype=np.int64))
         program.exchange("contact_search", told, sizes.record_header)
+    if work.search != "refresh":
+        program.compute("contact_search", rates.record * ranks.contact_records)
     if work.search == "complete":
         add_push(program, "contact_search", ranks.contact_asked, sizes.request, rates)
         add_push(program, "contact_search", answers(ranks.contact_pull), sizes.candidate_count, rates)

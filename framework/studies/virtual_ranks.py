@@ -176,6 +176,7 @@ class VirtualRanks:
     contact_active: Messages = field(default_factory=no_messages)  # nodes that touch, from their owners
     contact_slaves: Messages = field(default_factory=no_messages)  # records of slaves at a search
     contact_facets: Messages = field(default_factory=no_messages)  # records of facets at a search
+    contact_records: np.ndarray | float = 0.0  # of slaves and facets that each rank has then, its own among them
     contact_met: Messages = field(default_factory=no_messages)  # who holds an owner's nodes, at a search
     contact_asked: Messages = field(default_factory=no_messages)  # requests for nodes at a search; perhaps for none
     contact_unasked: Messages = field(default_factory=no_messages)  # the same when no node is new
@@ -380,6 +381,7 @@ def send_records(ranks: VirtualRanks, mesh: Mesh, scene: ContactScene, faces: Fa
         looked_at = there[face_of_facet[scene.pair_facet]]
         rank, face = unique_pairs(ranks.contact_rank[scene.pair_slave][looked_at],
                                   face_of_facet[scene.pair_facet][looked_at], max(len(faces.element), 1))
+    ranks.contact_records = np.bincount(rank, minlength=n) + np.bincount(ranks.contact_rank, minlength=n)
     sender = ranks.owners[faces.element[face]]
     ranks.contact_facets = count_messages(sender, rank, n)
     # The owners of the nodes of a record hear of the ranks that it has gone to.
