@@ -144,6 +144,11 @@ class ContactEngine {
     std::int64_t searches = 0, renewals = 0, refreshes = 0;
   };
   const Counts& counts() const { return counts_; }
+  /// Of all renewals so far, on this rank: nodes with new boxes, and all that there were.
+  struct Renewed {
+    std::int64_t nodes = 0, all = 0;
+  };
+  const Renewed& renewed() const { return renewed_; }
   /// Sentence about a force that cannot be, or empty. Local.
   const std::string& trouble() const { return trouble_; }
   /// Sentences about bodies that overlap at the start. Collective; the same on all ranks.
@@ -232,6 +237,7 @@ class ContactEngine {
   // difference from the frame's velocity up to which nodes counted [m2/s2].
   std::vector<ContactFrame> mean_frames_;
   std::vector<double> within_;
+  Renewed renewed_;
   double facet_spread_ = 0.0;  // of the facets of the last complete search, beyond the boxes of their corners [m]
   std::int64_t n_facets_ = 0;
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]

@@ -23,6 +23,7 @@ void put_numbers(hdf5::Group& group, const RecordedMoment& m) {
   group.set_real("rounds", m.rounds);
   group.set_real("agreements", m.agreements);
   group.set_real("friction", m.friction);
+  group.set_real("renewed", m.renewed);
   group.set("n_loads", m.n_loads);
   group.set_real("slave_reach", m.slave_reach);
   group.set_real("facet_reach", m.facet_reach);

@@ -26,6 +26,7 @@ struct RecordedMoment {
   // Of a cycle, the mean: rounds of impacts, reductions of contact besides that of the step, and the share of contact
   // definitions with friction.
   double rounds = 0.0, agreements = 0.0, friction = 0.0;
+  double renewed = 0.0;  // share of slaves whose boxes are new at a renewal
   std::int64_t n_loads = 0;  // faces of elements that loads act on
   double slave_reach = 0.0, facet_reach = 0.0;  // of boxes of contact, beyond slaves and beyond corners of facets [m]
   // In all cycles: complete searches, renewals of all boxes, refreshes of some, and cycles in which elements erode.

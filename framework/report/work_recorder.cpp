@@ -89,6 +89,23 @@ ContactEngine::Counts searches_of(const Simulation& simulation) {
   return all;
 }
 
+ContactEngine::Renewed renewed_of(const Simulation& simulation) {
+  ContactEngine::Renewed all;
+  for (const auto& c : simulation.contacts()) {
+    all.nodes += c->renewed().nodes;
+    all.all += c->renewed().all;
+  }
+  return all;
+}
+
+/// The share of nodes that get new boxes at a renewal. Collective.
+double renewed_share(const Simulation& simulation, const ContactEngine::Renewed& begun) {
+  const ContactEngine::Renewed now = renewed_of(simulation);
+  std::int64_t sums[2] = {now.nodes - begun.nodes, now.all - begun.all};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_INT64_T, MPI_SUM, simulation.model().comm);
+  return sums[1] > 0 ? static_cast<double>(sums[0]) / static_cast<double>(sums[1]) : 0.0;
+}
+
 /// The share of contact definitions that have friction.
 double friction_of(const Simulation& simulation) {
   double n = 0.0;
@@ -149,6 +166,7 @@ void WorkRecorder::begin(const Simulation& simulation) {
   n_rounds_ = 0;
   eroded_.clear();
   searches_begun_ = searches_of(simulation);
+  renewed_begun_ = renewed_of(simulation);
   gather_elements(simulation);
   knows_contact_ = false;
   begun_ = work_of(simulation);
@@ -317,6 +335,7 @@ void WorkRecorder::write(const Simulation& simulation) {
   if (!knows_contact_) gather_contact(simulation);
   Work spent = work_of(simulation);
   for (std::size_t k = 0; k < spent.size(); ++k) spent[k] = std::max(spent[k] - begun_[k], 0.0);
+  moment_.renewed = renewed_share(simulation, renewed_begun_);
   const MPI_Comm comm = simulation.model().comm;
   std::vector<std::int64_t> eroded = gather_to_root(comm, eroded_);
   std::sort(eroded.begin(), eroded.end());  // the same on any number of ranks

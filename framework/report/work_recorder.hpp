@@ -49,6 +49,7 @@ class WorkRecorder {
   Work begun_{};  // at its beginning [s]
   std::int64_t n_rounds_ = 0;
   ContactEngine::Counts searches_begun_;
+  ContactEngine::Renewed renewed_begun_;  // on this rank
   std::vector<std::int64_t> eroded_;  // ids, of this rank
   // Of all intervals.
   double node_seconds_ = 0.0, node_cycles_ = 0.0;

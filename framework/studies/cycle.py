@@ -65,6 +65,7 @@ class CycleWork:
     friction: bool = False
     loads: bool = False  # whether loads act on anything
     search: str = ""  # `complete`, `renewal` of all boxes, `refresh` of some
+    renewed: float = 1.0  # share of the slaves whose records a renewal sends
     looks_always: bool = False  # there is no search in many cycles, and its time is that of every cycle
     moved: Messages | None = None  # elements that change their owners, in a cycle that re-balances
 
@@ -158,17 +159,24 @@ def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Si
             program.allreduce("contact_search", n_bytes)
         program.consensus("contact_search", records, 1)
     elif work.search == "renewal":
-        program.exchange("contact_search", records, 1)
+        program.exchange("contact_search", share_of(records, work.renewed, sizes.record_header), 1)
     else:
         told = Messages(records.source, records.destination, np.ones(len(records), dtype=np.int64))
         program.exchange("contact_search", told, sizes.record_header)
     if work.search != "refresh":
-        program.compute("contact_search", rates.record * ranks.contact_records)
+        share = work.renewed if work.search == "renewal" else 1.0
+        program.compute("contact_search", share * rates.record * ranks.contact_records)
     if work.search == "complete":
         add_push(program, "contact_search", ranks.contact_asked, sizes.request, rates)
         add_push(program, "contact_search", answers(ranks.contact_pull), sizes.candidate_count, rates)
     else:
         add_push(program, "contact_search", ranks.contact_unasked, sizes.request, rates)
+
+
+def share_of(records: Messages, share: float, header: int) -> Messages:
+    """The same messages with a share of their records."""
+    n_bytes = header + np.rint((records.items - header) * share).astype(np.int64)
+    return Messages(records.source, records.destination, n_bytes)
 
 
 def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork, sizes: Sizes,

@@ -143,7 +143,7 @@ def plain_cycle(moment: Moment) -> cycles.CycleWork:
     """Without a search, erosion or migration."""
     return cycles.CycleWork(moment.element_seconds, moment.contact, moment.load_seconds, moment.erosion_seconds,
                             rounds=max(round(moment.rounds), 1), agreements=max(round(moment.agreements), 0),
-                            friction=moment.friction > 0.5, loads=moment.n_loads > 0,
+                            friction=moment.friction > 0.5, renewed=moment.renewed, loads=moment.n_loads > 0,
                             looks_always=moment.n_searches + moment.n_renewals == 0.0)
 
 

@@ -39,6 +39,7 @@ class Moment:
     n_searches: float = 0.0  # complete ones, in all cycles together
     n_renewals: float = 0.0  # of all boxes
     n_refreshes: float = 0.0  # of some boxes
+    renewed: float = 1.0  # share of slaves that have new boxes at a renewal
     n_eroding: float = 0.0  # cycles in which elements erode
     eroded: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # places of those in one of them
 
@@ -54,7 +55,7 @@ class Recording:
 
 MOMENT_ARRAYS = ("element", "element_seconds", "load_seconds", "erosion_seconds", "eroded")
 MOMENT_NUMBERS = ("cycle", "n_cycles", "time", "rounds", "agreements", "n_loads", "friction", "n_searches",
-                  "n_renewals", "n_refreshes", "n_eroding")
+                  "n_renewals", "n_refreshes", "renewed", "n_eroding")
 CONTACT_NUMBERS = ("slave_reach", "facet_reach")
 CONTACT_ARRAYS = ("slaves", "facets", "pair_slave", "pair_facet", "pair_touches", "search_seconds", "force_seconds")
 
