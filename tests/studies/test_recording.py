@@ -4,6 +4,7 @@ whatever ends the run."""
 import csv
 import json
 import os
+import re
 import resource
 import shutil
 import signal
@@ -122,8 +123,8 @@ def test_times_add_up_to_the_timers(tmp_path, ranks):
         total["contact_search"] += m.contact.search_seconds.sum() * (m.n_searches + m.n_renewals or m.n_cycles)
     for phase, seconds in total.items():
         spent = summary["timers"][phase]["work"]["mean"] * ranks
-        # One more evaluation at the start, of 67, and the search that looks for overlaps.
-        assert (0.5 if phase == "contact_search" else 0.9) * spent < seconds <= spent * (1.0 + 1e-9), phase
+        # At the start there is one more evaluation, and a search for overlaps; a busy machine may stop either.
+        assert 0.5 * spent < seconds <= spent * (1.0 + 1e-9), phase
 
 
 def test_recording_changes_no_bit(reference, tmp_path):
@@ -235,7 +236,7 @@ def test_a_disk_that_is_full_leaves_what_was_recorded(tmp_path):
     resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (limit, limit))
     err = process.communicate(timeout=60)[1]
     assert process.returncode == 1
-    assert f'error: the run stopped: cannot write "{path}": File too large' in err
+    assert re.search(f'error: the run stopped: cannot (write|shorten) "{path}": File too large', err), err
     assert "File too large" in json.loads((tmp_path / "summary.json").read_text())["exit"]
     kept = read_recording(path)
     assert len(kept.moments) >= 2
