@@ -39,6 +39,7 @@ class Sizes:
     element_header: int = 80  # model/migrator.cpp: Header
     element_record: int = 400  # model/part_store.hpp: record_size() fields; depends on element and material
     node_record: int = 128  # model/node_store.hpp: NodeRecord
+    home: int = 8  # parallel/ownership.cpp: the id of a copy
     owner: int = 4  # parallel/ownership.cpp: a rank
 
 
@@ -202,7 +203,7 @@ def add_move(program: Program, ranks: VirtualRanks, moved: Messages, sizes: Size
     for item_bytes in (sizes.element_header, sizes.element_record, sizes.node_record):
         program.consensus("rebalance", moved, item_bytes)  # about as many nodes as elements
     homes = ranks.to_homes()
-    program.consensus("rebalance", homes, sizes.request)
+    program.consensus("rebalance", homes, sizes.home)
     program.consensus("rebalance", homes.back(), sizes.owner)
     program.consensus("rebalance", ranks.halo, sizes.request)
     program.compute("rebalance", rates.rebuild * ranks.elements)

@@ -14,6 +14,7 @@ import pop
 from cuts import Cuts
 from program import Program, Traffic, traffic_of
 from recording import Moment, Recording
+from refinement import refined, refined_copies
 from virtual_ranks import VirtualRanks, copies_of, moved_elements, share_out, share_out_contact
 
 
@@ -163,13 +164,15 @@ def kinds_of_cycles(moment: Moment, moved, n_moves: int) -> list[tuple[cycles.Cy
 
 
 def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: Policy, networks: list[loggp.Network],
-            contact_space: str = "rcb", rates: cycles.Rates | None = None, settling: int = 1) -> list[Outcome]:
+            contact_space: str = "rcb", rates: cycles.Rates | None = None, settling: int = 1, refine: int = 1) -> list[Outcome]:
     """One outcome per network. The virtual ranks are made once for all networks.
 
-    `settling`: plain cycles before what counts, so that ranks start as far apart as they are in a run.
+    `settling`: plain cycles before what counts, so that ranks start as far apart as they are in a run. `refine`: each
+    recorded element stands for so many along each edge.
     """
     rates = replace(rates or cycles.Rates(), node=recording.node_seconds)
     sizes = replace(cycles.Sizes(), element_record=recording.record_bytes)
+    recording, sizes, rates = refined(recording, sizes, rates, refine)
     both = [n for network in networks for n in (network, loggp.ideal(network))]
     sums = [_Sum(n_ranks) for _ in both]
     owners, since_move, n_moves, space, copies = None, 0, 0, None, None
@@ -178,6 +181,7 @@ def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: 
         n_moves += moves
         ranks = share_out(moment.mesh, owners, n_ranks, None if moves else copies)
         copies = copies_of(ranks, moment.mesh)
+        ranks.copies = refined_copies(ranks.copies, ranks.elements, moment.mesh.cells.shape[1], refine)
         if len(moment.contact.slaves):
             share_out_contact(ranks, moment.mesh, moment.contact, contact_space, space)
             space = ranks.space
