@@ -50,7 +50,8 @@ def call(command: list, log: Path) -> None:
 def once(command: list, output: Path, result: str) -> Path:
     """Calls a program that writes `result` into the folder `output`, unless the same call has done it before."""
     program = binary_of_kerf().stat()
-    stamp = json.dumps([*map(str, command), program.st_size, program.st_mtime_ns])
+    scripts = max(path.stat().st_mtime_ns for path in STUDIES.glob("*.py")) if STUDIES / "predict.py" in command else 0
+    stamp = json.dumps([*map(str, command), program.st_size, program.st_mtime_ns, scripts])
     mark = output / "made_by.json"
     if not (mark.exists() and mark.read_text() == stamp and (output / result).exists()):
         print(f"  {output.name}", flush=True)

@@ -30,6 +30,8 @@ class Sizes:
     alive_flag: int = 8  # model/surface.cpp
     slave_record: int = 96  # contact/records.hpp: ContactNodeRecord
     facet_record: int = 216  # contact/records.hpp: ContactFacetRecord
+    opened_slave: int = 96  # the same records, of what erosion lays bare
+    opened_facet: int = 216
     record_header: int = 32  # contact/engine.hpp: Post::n_lists lengths of lists
     holder: int = 4  # contact/distribution.cpp, put: a rank that looks at nodes
     dead: int = 8  # contact/upkeep.cpp, announce_change: an id
@@ -191,7 +193,7 @@ def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWo
     opened = opened_by(ranks, mesh, work.contact, work.eroded)
     # Kerf times what contact hears of it as a search.
     add_sum_over_copies(program, "contact_search", ranks.halo, sizes.surface_mark, rates)
-    news = joined((opened.facets, sizes.facet_record), (opened.slaves, sizes.slave_record), (opened.dead, sizes.dead),
+    news = joined((opened.facets, sizes.opened_facet), (opened.slaves, sizes.opened_slave), (opened.dead, sizes.dead),
                   header=sizes.record_header)
     program.consensus("contact_search", news, 1)
     add_push(program, "contact_search", ranks.contact_unasked, sizes.request, rates)

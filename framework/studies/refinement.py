@@ -12,10 +12,11 @@ import numpy as np
 
 from cycle import Rates, Sizes
 from recording import Moment, Recording
+from virtual_ranks import ContactScene
 
 # What travels for each node, facet or face of a surface: of interfaces between ranks, of contact, of erosion.
 OF_SURFACES = ("force", "state", "told", "share", "impulse", "load", "request", "surface_mark", "live_count",
-               "alive_flag", "slave_record", "facet_record", "dead", "candidate_count")
+               "alive_flag", "opened_facet", "opened_slave", "dead", "candidate_count")
 # What travels for each element or node of a volume, when elements move.
 OF_VOLUMES = ("element_header", "element_record", "node_record", "home", "owner")
 # Nodes for each element inside a large mesh, by the number of corners: a grid of bricks, and bricks of six tetrahedra.
@@ -38,15 +39,39 @@ def refined(recording: Recording, sizes: Sizes, rates: Rates, k: int) -> tuple[R
 
 def _refined_moment(moment: Moment, k: int) -> Moment:
     """Erosion takes K^3 times as many elements in K times as many cycles, hence in more of them."""
-    area, volume = k * k, k * k * k
-    contact = replace(moment.contact, search_seconds=moment.contact.search_seconds * area,
-                      force_seconds=moment.contact.force_seconds * area, slave_reach=moment.contact.slave_reach / k,
-                      facet_reach=moment.contact.facet_reach / k)
+    volume = k * k * k
     n_cycles = moment.n_cycles * k
-    return replace(moment, n_cycles=n_cycles, element_seconds=moment.element_seconds * volume, contact=contact,
-                   load_seconds=_times(moment.load_seconds, area), erosion_seconds=_times(moment.erosion_seconds, volume),
+    return replace(moment, n_cycles=n_cycles, element_seconds=moment.element_seconds * volume,
+                   contact=_refined_contact(moment, k), load_seconds=_times(moment.load_seconds, k * k), erosion_seconds=_times(moment.erosion_seconds, volume),
                    n_searches=moment.n_searches * k, n_renewals=moment.n_renewals * k,
                    n_refreshes=moment.n_refreshes * k, n_eroding=min(moment.n_eroding * volume, float(n_cycles)))
+
+
+def _refined_contact(moment: Moment, k: int) -> ContactScene:
+    """K x K slaves in place of each, spread over its share of the surface, so that space can be cut between them."""
+    contact, n = moment.contact, k * k
+    pair_slave = contact.pair_slave[:, None] * n + np.arange(n)
+    return replace(contact, slaves=np.repeat(contact.slaves, n), pair_slave=pair_slave.ravel(),
+                   pair_facet=np.repeat(contact.pair_facet, n), pair_touches=np.repeat(contact.pair_touches, n),
+                   search_seconds=np.repeat(contact.search_seconds, n),
+                   force_seconds=np.repeat(contact.force_seconds, n), slave_reach=contact.slave_reach / k,
+                   facet_reach=contact.facet_reach / k, homes=_spread(moment, k), facet_pieces=k)
+
+
+def _spread(moment: Moment, k: int) -> np.ndarray:
+    """Places of the slaves: a grid round each node along the edges of a face that has it. A free node has none."""
+    slaves, points, corners = moment.contact.slaves, moment.mesh.points, moment.mesh.exterior.corners
+    width = corners.shape[1]
+    at = np.full(len(points), -1)
+    at[corners.ravel()] = np.arange(corners.size)
+    at = at[slaves]
+    face, corner = at // width, at % width
+    steps = (np.arange(k) + 0.5) / k - 0.5
+    places = np.repeat(points[slaves][:, None], k * k, axis=1)
+    for side, number in ((1, np.repeat(steps, k)), (-1, np.tile(steps, k))):
+        edge = np.where(at[:, None] >= 0, points[corners[face, (corner + side) % width]] - points[slaves], 0.0)
+        places += number[None, :, None] * edge[:, None]
+    return places.reshape(-1, 3)
 
 
 def _times(values: np.ndarray | None, factor: int) -> np.ndarray | None:

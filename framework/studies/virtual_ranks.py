@@ -101,6 +101,11 @@ class ContactScene:
     force_seconds: np.ndarray  # for each slave: touches and rounds of one cycle [s]
     slave_reach: float = 0.0  # how far the box of a slave reaches at most [m]
     facet_reach: float = 0.0  # how far the box of a facet reaches beyond its corners, the mean [m]
+    homes: np.ndarray | None = None  # where slaves are, unless at their nodes [m]
+    facet_pieces: int = 1  # along each edge of a facet, each with a record of its own
+
+    def places(self, mesh: Mesh) -> np.ndarray:
+        return mesh.points[self.slaves] if self.homes is None else self.homes
 
     @cached_property
     def candidates(self) -> np.ndarray:
@@ -278,7 +283,7 @@ def slave_work(scene: ContactScene) -> np.ndarray:
 
 def contact_space(mesh: Mesh, scene: ContactScene, n_ranks: int, before: ContactSpace | None) -> ContactSpace:
     """The boxes of an earlier search where these are good enough, or new ones."""
-    homes = mesh.points[scene.slaves]
+    homes = scene.places(mesh)
     extent = float((homes.max(axis=0) - homes.min(axis=0)).max()) if len(homes) else 0.0
     reach = scene.facet_reach + 1.5 * scene.slave_reach + min(
         2.0 * (RENEWALS - 1) * scene.slave_reach, SPARE_SHARE * extent / n_ranks ** (1.0 / 3.0))
@@ -307,7 +312,7 @@ def share_out_contact(ranks: VirtualRanks, mesh: Mesh, scene: ContactScene, spac
         ranks.contact_rank = ranks.owner_of_node[slaves]
     elif space == "rcb":
         ranks.space = contact_space(mesh, scene, n, before)
-        ranks.contact_rank = ranks.space.cuts.locate(mesh.points[slaves])
+        ranks.contact_rank = ranks.space.cuts.locate(scene.places(mesh))
     else:
         raise ValueError(f"a contact space `{space}`; expected rcb or owners")
     faces, face_of_facet = faces_of_contact(mesh, scene)
@@ -367,6 +372,17 @@ def nodes_of_view(ranks: VirtualRanks, scene: ContactScene, faces: Faces, face_o
                         n_nodes)
 
 
+def boxes_of_pieces(corners: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """The boxes of n x n pieces of each facet, side by side; a triangle is a facet whose last corner stands twice."""
+    if n == 1:
+        return corners.min(axis=1), corners.max(axis=1)
+    a, b, c, d = (corners[:, min(i, corners.shape[1] - 1), None, None] for i in range(4))
+    u, v = (w[None, ..., None] for w in np.meshgrid(np.arange(n + 1) / n, np.arange(n + 1) / n, indexing="ij"))
+    grid = (1 - u) * (1 - v) * a + u * (1 - v) * b + u * v * c + (1 - u) * v * d
+    pieces = np.stack([grid[:, :-1, :-1], grid[:, 1:, :-1], grid[:, 1:, 1:], grid[:, :-1, 1:]])
+    return pieces.min(axis=0).reshape(-1, 3), pieces.max(axis=0).reshape(-1, 3)
+
+
 def send_records(ranks: VirtualRanks, mesh: Mesh, scene: ContactScene, faces: Faces, face_of_facet) -> None:
     """Which records go where at a search, and who asks whom for nodes afterwards."""
     n = ranks.n_ranks
@@ -374,9 +390,10 @@ def send_records(ranks: VirtualRanks, mesh: Mesh, scene: ContactScene, faces: Fa
     faces = faces[there]
     ranks.contact_slaves = count_messages(ranks.owner_of_node[scene.slaves], ranks.contact_rank, n)
     if ranks.space is not None:
-        corners = mesh.points[faces.corners]
+        low, high = boxes_of_pieces(mesh.points[faces.corners], scene.facet_pieces)
         reach = ranks.space.reach
-        face, rank = ranks.space.cuts.parts_of_boxes(corners.min(axis=1) - reach, corners.max(axis=1) + reach)
+        face, rank = ranks.space.cuts.parts_of_boxes(low - reach, high + reach)
+        face //= scene.facet_pieces**2
     else:
         looked_at = there[face_of_facet[scene.pair_facet]]
         rank, face = unique_pairs(ranks.contact_rank[scene.pair_slave][looked_at],
