@@ -64,10 +64,10 @@ def study(coarse: Case, fine: Case, runs: Path, pages: Path, counts: list[int], 
     equal_hashes({1: recorded} | others)
     for n, folders in policies.items():
         equal_hashes({k: folder for k, folder in enumerate(folders.values())}, summary_of(recorded)["state_hash"])
-    recorded_fine = run(fine, runs, "recorded_fine", f"output.recording_interval={'4 us' if quick else '5 us'}")
+    recorded_fine = run(fine, runs, "recorded_fine", f"output.recording_interval={'4 us' if quick else '10 us'}")
     ranks = "2,4" if quick else "2..4096"
     rows = predict(recorded_fine, runs, "predicted", "--ranks", ranks, *NETWORK, *(
-        word for policy in ("never", "threshold:1.05", "every:200") for word in ("--policy", policy)))
+        word for policy in ("never", "threshold:1.05") for word in ("--policy", policy)))
     draw_static(kept, counts[-1], pages / f"erosion_static_{coarse.name}.png")
     draw_predicted(rows, pages / f"erosion_predicted_{coarse.name}.png")
     return {"causes": causes_table(recorded, runs, counts), "plasticity": plasticity_table(coarse, runs, quick),
@@ -177,12 +177,11 @@ def targets_table(recorded: Path, runs: Path, quick: bool) -> str:
     lines = []
     elements = sum(p["elements"] for p in summary_of(recorded)["parts"].values())
     for name, refine, ranks, wanted in [("small", 2, 4, 0.5)] if quick else TARGETS:
-        for row in predict(recorded, runs, f"target_{ranks}", "--ranks", ranks, "--refine", refine, *NETWORK,
-                           "--policy", "never", "--policy", "threshold:1.05"):
+        for row in predict(recorded, runs, f"target_{ranks}", "--ranks", ranks, "--refine", refine, *NETWORK):
             lines.append([name, refine, f"{elements * refine**3:.3g}", f"{elements * refine**3 / ranks:.0f}",
-                          row["policy"], f"{100 * row['efficiency']:.1f} %", f"{100 * wanted:.0f} %",
+                          f"{100 * row['efficiency']:.1f} %", f"{100 * wanted:.0f} %",
                           *(row[key] for key in FACTORS[1:]), most_lost(row)])
-    return table(["target", "K", "elements", "per rank", "policy", "efficiency", "wanted",
+    return table(["target", "K", "elements", "per rank", "efficiency", "wanted",
                   *(key.replace("_", " ") for key in FACTORS[1:]), "uneven work costs at most"], lines)
 
 
