@@ -102,7 +102,8 @@ def causes_table(recorded: Path, runs: Path, counts: list[int]) -> str:
             lines.append([int(row["ranks"]), "of its own" if space == "rcb" else "with the elements"] + [
                 f"{row[f'imbalance_{cause}']:.3f} ({100 * row[f'lost_{cause}']:.1f} %)"
                 if row.get(f"imbalance_{cause}") else "-" for cause in ("elements", "contact", "erosion")])
-    return table(["ranks", "contact's decomposition", "elements", "contact", "erosion"], sorted(lines, key=lambda r: r[0]))
+    return table(["ranks", "contact's decomposition", "elements", "contact", "erosion"],
+                 sorted(lines, key=lambda line: line[0]))
 
 
 def plasticity_table(case: Case, runs: Path, quick: bool) -> str:

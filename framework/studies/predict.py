@@ -98,8 +98,8 @@ def table_row(outcome: prediction.Outcome, serial: prediction.Outcome, refine: i
     row = {"network": outcome.network, "partitioner": outcome.partitioner, "policy": outcome.policy,
            "ranks": outcome.n_ranks, "seconds_per_cycle": outcome.seconds, "speed_up": serial.seconds / outcome.seconds,
            "efficiency": serial.seconds / outcome.seconds / outcome.n_ranks, **factors.as_dict(),
-           "refine": refine, "moves": outcome.moves, "messages": outcome.traffic.messages, "bytes": outcome.traffic.n_bytes,
-           "collectives": outcome.traffic.collectives}
+           "refine": refine, "moves": outcome.moves, "messages": outcome.traffic.messages,
+           "bytes": outcome.traffic.n_bytes, "collectives": outcome.traffic.collectives}
     for cause, numbers in outcome.causes.items():
         row |= {f"imbalance_{cause}": numbers["imbalance"], f"lost_{cause}": numbers["lost"]}
     return row | {f"seconds_{phase}": seconds for phase, seconds in outcome.phases.items()}

@@ -164,7 +164,8 @@ def kinds_of_cycles(moment: Moment, moved, n_moves: int) -> list[tuple[cycles.Cy
 
 
 def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: Policy, networks: list[loggp.Network],
-            contact_space: str = "rcb", rates: cycles.Rates | None = None, settling: int = 1, refine: int = 1) -> list[Outcome]:
+            contact_space: str = "rcb", rates: cycles.Rates | None = None, settling: int = 1,
+            refine: int = 1) -> list[Outcome]:
     """One outcome per network. The virtual ranks are made once for all networks.
 
     `settling`: plain cycles before what counts, so that ranks start as far apart as they are in a run. `refine`: each

@@ -19,8 +19,13 @@ OF_SURFACES = ("force", "state", "told", "share", "impulse", "load", "request", 
                "alive_flag", "opened_facet", "opened_slave", "dead", "candidate_count")
 # What travels for each element or node of a volume, when elements move.
 OF_VOLUMES = ("element_header", "element_record", "node_record", "home", "owner")
+# What travels for each piece of a slave or of a facet at a search.
+OF_PIECES = ("slave_record", "facet_record")
 # Nodes for each element inside a large mesh, by the number of corners: a grid of bricks, and bricks of six tetrahedra.
 NODES_OF_ELEMENT = {8: 1.0, 4: 1.0 / 6.0}
+
+
+MOST_PIECES = 4  # of a slave along each edge: enough for space to be cut between them, and few enough to be quick
 
 
 def refined(recording: Recording, sizes: Sizes, rates: Rates, k: int) -> tuple[Recording, Sizes, Rates]:
@@ -31,7 +36,8 @@ def refined(recording: Recording, sizes: Sizes, rates: Rates, k: int) -> tuple[R
         return recording, sizes, rates
     area, volume = k * k, k * k * k
     sizes = replace(sizes, **{name: getattr(sizes, name) * area for name in OF_SURFACES},
-                    **{name: getattr(sizes, name) * volume for name in OF_VOLUMES})
+                    **{name: getattr(sizes, name) * volume for name in OF_VOLUMES},
+                    **{name: round(getattr(sizes, name) * _slaves_of_piece(k)) for name in OF_PIECES})
     rates = replace(rates, packed=rates.packed * area, rebuild=rates.rebuild * volume,
                     partition=rates.partition * volume)
     return replace(recording, moments=[_refined_moment(moment, k) for moment in recording.moments]), sizes, rates
@@ -42,23 +48,29 @@ def _refined_moment(moment: Moment, k: int) -> Moment:
     volume = k * k * k
     n_cycles = moment.n_cycles * k
     return replace(moment, n_cycles=n_cycles, element_seconds=moment.element_seconds * volume,
-                   contact=_refined_contact(moment, k), load_seconds=_times(moment.load_seconds, k * k), erosion_seconds=_times(moment.erosion_seconds, volume),
-                   n_searches=moment.n_searches * k, n_renewals=moment.n_renewals * k,
-                   n_refreshes=moment.n_refreshes * k, n_eroding=min(moment.n_eroding * volume, float(n_cycles)))
+                   contact=_refined_contact(moment, k), load_seconds=_times(moment.load_seconds, k * k),
+                   erosion_seconds=_times(moment.erosion_seconds, volume), n_searches=moment.n_searches * k,
+                   n_renewals=moment.n_renewals * k, n_refreshes=moment.n_refreshes * k,
+                   n_eroding=min(moment.n_eroding * volume, float(n_cycles)))
+
+
+def _slaves_of_piece(k: int) -> float:
+    return (k / min(k, MOST_PIECES)) ** 2
 
 
 def _refined_contact(moment: Moment, k: int) -> ContactScene:
-    """K x K slaves in place of each, spread over its share of the surface, so that space can be cut between them."""
-    contact, n = moment.contact, k * k
+    """Pieces in place of each slave, spread over its share of the surface, so that space can be cut between them."""
+    contact, pieces, weight = moment.contact, min(k, MOST_PIECES), _slaves_of_piece(k)
+    n = pieces * pieces
     pair_slave = contact.pair_slave[:, None] * n + np.arange(n)
     return replace(contact, slaves=np.repeat(contact.slaves, n), pair_slave=pair_slave.ravel(),
                    pair_facet=np.repeat(contact.pair_facet, n), pair_touches=np.repeat(contact.pair_touches, n),
-                   search_seconds=np.repeat(contact.search_seconds, n),
-                   force_seconds=np.repeat(contact.force_seconds, n), slave_reach=contact.slave_reach / k,
-                   facet_reach=contact.facet_reach / k, homes=_spread(moment, k), facet_pieces=k)
+                   search_seconds=np.repeat(contact.search_seconds * weight, n),
+                   force_seconds=np.repeat(contact.force_seconds * weight, n), slave_reach=contact.slave_reach / k,
+                   facet_reach=contact.facet_reach / k, homes=_spread(moment, pieces), facet_pieces=pieces)
 
 
-def _spread(moment: Moment, k: int) -> np.ndarray:
+def _spread(moment: Moment, n: int) -> np.ndarray:
     """Places of the slaves: a grid round each node along the edges of a face that has it. A free node has none."""
     slaves, points, corners = moment.contact.slaves, moment.mesh.points, moment.mesh.exterior.corners
     width = corners.shape[1]
@@ -66,9 +78,9 @@ def _spread(moment: Moment, k: int) -> np.ndarray:
     at[corners.ravel()] = np.arange(corners.size)
     at = at[slaves]
     face, corner = at // width, at % width
-    steps = (np.arange(k) + 0.5) / k - 0.5
-    places = np.repeat(points[slaves][:, None], k * k, axis=1)
-    for side, number in ((1, np.repeat(steps, k)), (-1, np.tile(steps, k))):
+    steps = (np.arange(n) + 0.5) / n - 0.5
+    places = np.repeat(points[slaves][:, None], n * n, axis=1)
+    for side, number in ((1, np.repeat(steps, n)), (-1, np.tile(steps, n))):
         edge = np.where(at[:, None] >= 0, points[corners[face, (corner + side) % width]] - points[slaves], 0.0)
         places += number[None, :, None] * edge[:, None]
     return places.reshape(-1, 3)

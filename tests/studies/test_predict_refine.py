@@ -77,6 +77,10 @@ def test_contact_is_spread_and_keeps_its_sum():
     assert np.allclose(places.mean(axis=1), recording.moments[0].mesh.points[scene.slaves])
     assert len(np.unique(places.reshape(-1, 3), axis=0)) == len(scene.slaves) * 9
     assert np.abs(places - places.mean(axis=1, keepdims=True)).max() == pytest.approx(1.0 / 3.0)
+    finest = refined(recording, cycle.Sizes(), cycle.Rates(), 8)
+    assert len(finest[0].moments[0].contact.slaves) == 16 * len(scene.slaves)
+    assert finest[0].moments[0].contact.force_seconds.sum() == pytest.approx(64.0 * scene.force_seconds.sum())
+    assert finest[1].slave_record == 4 * cycle.Sizes().slave_record
     ranks = share_out(finer.mesh, Cuts(finer.mesh.centres(), np.ones(len(finer.mesh.cells)), 64).part, 64)
     share_out_contact(ranks, finer.mesh, finer.contact)
     work = ranks.sum_over_slaves(np.ones(len(finer.contact.slaves)))
