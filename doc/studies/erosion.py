@@ -76,7 +76,7 @@ def study(coarse: Case, fine: Case, runs: Path, pages: Path, counts: list[int], 
     recorded_fine = run(fine, runs, "recorded_fine", f"output.recording_interval={'4 us' if quick else '10 us'}")
     ranks = "2,4" if quick else "2..4096"
     rows = predict(recorded_fine, runs, "predicted", "--ranks", ranks, *NETWORK, *(
-        word for policy in ("never", "threshold:1.05") for word in ("--policy", policy)))
+        word for policy in ("never", "threshold:1.02") for word in ("--policy", policy)))
     draw_static(kept, counts[-1], pages / f"erosion_static_{coarse.name}.png")
     draw_predicted(rows, pages / f"erosion_predicted_{coarse.name}.png")
     return {"causes": causes_table(recorded, runs, counts), "plasticity": plasticity_table(coarse, runs, quick),
