@@ -39,7 +39,7 @@ def refined(recording: Recording, sizes: Sizes, rates: Rates, k: int) -> tuple[R
                     **{name: getattr(sizes, name) * volume for name in OF_VOLUMES},
                     **{name: round(getattr(sizes, name) * _slaves_of_piece(k)) for name in OF_PIECES})
     rates = replace(rates, packed=rates.packed * area, rebuild=rates.rebuild * volume,
-                    partition=rates.partition * volume)
+                    partition=rates.partition * volume, record=rates.record * _slaves_of_piece(k))
     return replace(recording, moments=[_refined_moment(moment, k) for moment in recording.moments]), sizes, rates
 
 

@@ -43,9 +43,9 @@ def test_efficiency_is_that_of_the_finer_mesh(n_ranks):
     def efficiency(recording, refine):
         return (outcome(recording, 1, refine).seconds / outcome(recording, n_ranks, refine).seconds) / n_ranks
 
-    # What is left is the grain of the coarse elements and slaves, which share out less evenly: never much better.
+    # A rank of contact pulls whole coarse nodes, and coarse elements share out less evenly: never much better.
     coarse, fine = efficiency(blocks(16, 16.0), 2), efficiency(blocks(32, 16.0), 1)
-    assert fine - 0.08 < coarse < fine + 0.03
+    assert fine - 0.12 < coarse < fine + 0.03
 
 
 def test_interfaces_grow_with_the_square():
@@ -81,6 +81,7 @@ def test_contact_is_spread_and_keeps_its_sum():
     assert len(finest[0].moments[0].contact.slaves) == 16 * len(scene.slaves)
     assert finest[0].moments[0].contact.force_seconds.sum() == pytest.approx(64.0 * scene.force_seconds.sum())
     assert finest[1].slave_record == 4 * cycle.Sizes().slave_record
+    assert finest[2].record == pytest.approx(4.0 * cycle.Rates().record)
     ranks = share_out(finer.mesh, Cuts(finer.mesh.centres(), np.ones(len(finer.mesh.cells)), 64).part, 64)
     share_out_contact(ranks, finer.mesh, finer.contact)
     work = ranks.sum_over_slaves(np.ones(len(finer.contact.slaves)))
