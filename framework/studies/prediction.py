@@ -14,7 +14,7 @@ import pop
 from cuts import Cuts
 from program import Program, Traffic, traffic_of
 from recording import Moment, Recording
-from refinement import refined, refined_copies
+from refinement import refined, refined_copies, thin_out
 from virtual_ranks import VirtualRanks, copies_of, moved_elements, share_out, share_out_contact
 
 
@@ -185,6 +185,7 @@ def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: 
         ranks.copies = refined_copies(ranks.copies, ranks.elements, moment.mesh.cells.shape[1], refine)
         if len(moment.contact.slaves):
             share_out_contact(ranks, moment.mesh, moment.contact, contact_space, space)
+            thin_out(ranks, moment.contact)
             space = ranks.space
         settle, kinds = _programs(ranks, moment, moved, moves, sizes, rates, settling)
         for total, network in zip(sums, both):

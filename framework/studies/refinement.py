@@ -11,8 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from cycle import Rates, Sizes
+from program import Messages
 from recording import Moment, Recording
-from virtual_ranks import ContactScene
+from virtual_ranks import ContactScene, VirtualRanks, unique_pairs
 
 # What travels for each node, facet or face of a surface: of interfaces between ranks, of contact, of erosion.
 OF_SURFACES = ("force", "state", "told", "share", "impulse", "load", "request", "surface_mark", "live_count",
@@ -94,3 +95,19 @@ def refined_copies(copies: np.ndarray, elements: np.ndarray, corners: int, k: in
     """Copies of nodes on each rank: as many as elements inside a volume, and what is more than these on its surface."""
     inside = NODES_OF_ELEMENT[corners] * elements
     return inside * k**3 + (copies - inside) * k**2
+
+
+def thin_out(ranks: VirtualRanks, contact: ContactScene) -> None:
+    """A rank of contact that has only some pieces of the slaves it has looks at as small a share of their nodes."""
+    n, pieces = ranks.n_ranks, contact.facet_pieces**2
+    if pieces == 1 or not len(contact.slaves):
+        return
+    some = np.flatnonzero(contact.candidates)
+    rank, _ = unique_pairs(ranks.contact_rank[some], some // pieces, len(contact.slaves))
+    whole = np.bincount(rank, minlength=n) * pieces
+    share = np.bincount(ranks.contact_rank[some], minlength=n) / np.maximum(whole, 1)
+    for name, looks in (("contact_pull", "destination"), ("contact_active", "destination"), ("contact_told", "source"),
+                        ("contact_asked", "source")):
+        messages = getattr(ranks, name)
+        items = np.ceil(messages.items * share[getattr(messages, looks)])
+        setattr(ranks, name, Messages(messages.source, messages.destination, items))
