@@ -81,13 +81,13 @@ std::int64_t Balancer::check_interval() {
   return interval_;
 }
 
-bool Balancer::due(Model& model, const Step& step, double cycles_left, const RankWork& work) {
+bool Balancer::due(Model& model, const Step& step, double cycles_left, const RankWork* known) {
   if (model.n_ranks() == 1) return false;
   const bool forced = input_.force_interval > 0 && step.cycle % input_.force_interval == 0;
   const bool asked = !forced && check_interval() > 0 && step.cycle % check_interval() == 0;
   if (!forced && !asked) return false;
   // What the ranks have told each other in their one reduction is without contact.
-  const RankWork now = input_.has_contact_with_elements() ? work_of_all(model) : work;
+  const RankWork now = known == nullptr || input_.has_contact_with_elements() ? work_of_all(model) : *known;
   BalanceDecision d;
   d.cycle = step.cycle;
   d.time = step.end();

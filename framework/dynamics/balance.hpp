@@ -67,9 +67,10 @@ class Balancer {
   void distribute_again(Model& model, std::int64_t cycle, double time);
   /// Contact definitions whose nodes count where contact goes with the elements. They must outlive this.
   void watch(const std::vector<std::unique_ptr<ContactEngine>>& contacts) { contacts_ = &contacts; }
-  /// Whether to re-balance after this step; `cycles_left` is an estimate, `work` that of all ranks without contact.
-  /// Throws PhysicsError on all ranks where the policy throws. Collective, the same on all ranks.
-  bool due(Model& model, const Step& step, double cycles_left, const RankWork& work);
+  /// Whether to re-balance after this step; `cycles_left` is an estimate, `known` the present work of all ranks without
+  /// contact, or null where it has to be asked for. Throws PhysicsError on all ranks where the policy throws.
+  /// Collective, the same on all ranks.
+  bool due(Model& model, const Step& step, double cycles_left, const RankWork* known);
   /// Partitions and migrates, after due() has said so. Collective.
   void move(Model& model, std::int64_t cycle);
 

@@ -77,6 +77,7 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
   begin_recording();
   simulation.observe(*this);
   start_seconds_ = seconds_now();
+  timers_begun_ = simulation.timers().all();
   print(fmt::format("{} elements, {} nodes, {} rank{}; first stable step {:.4g} s\n", model.n_elements, model.n_nodes,
                     model.n_ranks(), model.n_ranks() == 1 ? "" : "s", simulation.first_stable_step()));
 }
