@@ -135,11 +135,12 @@ class PointFolder:
         return State(FAILED, code, reason, told, summary)
 
     def last_message(self) -> str:
-        """The last error line that the run printed, or its last line of all."""
+        """The last error line that the run printed, or what the launcher says of its end, or its last line of all."""
         lines = [line.strip() for name in ("run.log", "errors.log") for line in read_lines(self.path / name)]
-        lines = [line for line in lines if line]
+        lines = [line for line in lines if re.search(r"\w", line)]  # not the rules round a notice
         errors = [line for line in lines if "error:" in line]
-        return (errors or lines or ["nothing was printed"])[-1][:500]
+        ends = [line for line in lines if re.search(r"exited on signal|[Ee]xit code", line)]
+        return (errors or ends or lines or ["nothing was printed"])[-1][:500]
 
     @contextmanager
     def alone(self):

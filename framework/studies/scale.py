@@ -102,6 +102,9 @@ def parse_arguments(words: list[str] | None = None) -> argparse.Namespace:
         parser.error("--template goes with --slurm only")
     if arguments.slurm and arguments.side_by_side:
         parser.error("--side-by-side needs this machine; expected it without --slurm")
+    if arguments.launch and "@RANKS@" not in arguments.launch and set(arguments.ranks) != {1}:
+        parser.error(f"--launch: \"{arguments.launch}\" starts the same number of ranks in every run; expected a "
+                     "command with @RANKS@ for their number")
     if arguments.template and not arguments.template.is_file():
         parser.error(f"--template: there is no file {arguments.template}")
     return arguments
