@@ -13,7 +13,8 @@ from predict_scenes import STUDIES, sample_recording
 import loggp
 import prediction
 from networks import find_network, read_network
-from recording import RecordingError, check, read_recording, write_recording
+from recording import read_recording, write_recording
+from recording_check import mistakes_in
 
 
 def predict(*arguments):
@@ -132,9 +133,46 @@ def test_arrays_that_do_not_fit_are_all_told():
     recording = sample_recording()
     recording.moments[0].element_seconds = recording.moments[0].element_seconds[:-1]
     recording.moments[1].element_seconds[3] = np.nan
-    with pytest.raises(RecordingError) as error:
-        check(recording, "run")
-    lines = str(error.value).splitlines()
+    lines = mistakes_in(recording)
     assert len(lines) == 2
-    assert "run: error: moment 0:" in lines[0] and "expected one for each" in lines[0]
-    assert "run: error: moment 1: a value of element_seconds is negative or not a number" in lines[1]
+    assert lines[0].startswith("moment 0:") and "expected one for each" in lines[0]
+    assert lines[1].startswith("moment 1: a value of element_seconds is negative or not finite")
+
+
+@pytest.mark.parametrize("place, value, message", [
+    ("rounds", np.nan, "moment 0: rounds is nan; expected a finite number, at least 0"),
+    ("rounds", -3.0, "moment 0: rounds is -3.0; expected"),
+    ("n_searches", 1e6, "searches, renewals and refreshes in"), ("n_eroding", 1e5, "moment 0: elements erode in 1"),
+    ("facet_reach", -1.0, "moment 0: facet_reach is -1.0 m; expected a finite length"),
+    ("element_seconds", np.inf, "moment 0: a value of element_seconds is negative or not finite"),
+    ("contact/force_seconds", -1.0, "moment 0: a value of force_seconds is negative or not finite"),
+    ("points", np.nan, "moment 0: a coordinate of a node is not finite"), ("element", 0, "two elements have the same"),
+    ("node", 0, "moment 0: two nodes have the same id"), ("cells", -1, "moment 0: a node of a cell is -1; expected"),
+])
+def test_a_recording_with_numbers_that_cannot_be_is_refused(place, value, message, tmp_path):
+    path = tmp_path / "recording.h5"
+    write_recording(path, sample_recording())
+    with h5py.File(path, "r+") as file:
+        group = file["moments/0"]
+        if place in group:
+            group[place][:2] = value
+        else:
+            group.attrs[place] = value
+    done = predict(path, "--ranks", 2, "--output", tmp_path / "out")
+    assert done.returncode == 2 and message in done.stderr and "Traceback" not in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("name", ["element", "element_seconds", "cells", "contact/slaves"])
+def test_a_recording_without_an_array_is_refused(name, tmp_path):
+    path = tmp_path / "recording.h5"
+    write_recording(path, sample_recording())
+    with h5py.File(path, "r+") as file:
+        del file[f"moments/0/{name}"]
+    done = predict(path, "--ranks", 2, "--output", tmp_path / "out")
+    assert done.returncode == 2 and "expected a whole recording" in done.stderr, done.stderr
+
+
+def test_moments_must_follow_one_another(tmp_path):
+    recording = sample_recording()
+    recording.moments.reverse()
+    assert any("expected at least" in line and "after the moment before" in line for line in mistakes_in(recording))
