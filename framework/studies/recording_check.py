@@ -1,4 +1,4 @@
-"""What does not fit together in a recording, as sentences: numbers that cannot be make a prediction that looks sound."""
+"""What does not fit together in a recording, as sentences: numbers that cannot be give predictions that look sound."""
 
 from __future__ import annotations
 
