@@ -80,10 +80,11 @@ class Policy:
     def name(self) -> str:
         return self.kind if self.kind == "never" else f"{self.kind}:{self.value:g}"
 
-    def moves(self, moment: Moment, imbalance: float, since_move: int) -> int:
+    def moves(self, moment: Moment, imbalance: float) -> int:
         """How often it moves in the cycles of a moment; the first move takes place at its start."""
-        if self.kind == "every":
-            return int((since_move + moment.n_cycles) // self.value)
+        if self.kind == "every":  # in the cycles whose numbers it divides
+            before = moment.cycle - 1
+            return (before + moment.n_cycles) // int(self.value) - before // int(self.value)
         return 1 if self.kind == "threshold" and imbalance > self.value else 0
 
 
@@ -94,7 +95,7 @@ def read_policy(text: str) -> Policy:
     except ValueError:
         number = float("nan")
     least = {"never": 0.0, "every": 1.0, "threshold": 1.0}.get(kind)
-    if least is None or not number >= least or (kind == "never" and value):
+    if least is None or not number >= least or (kind == "never" and value) or (kind == "every" and number % 1.0):
         raise ValueError(f"a policy `{text}`; expected never, every:CYCLES or threshold:IMBALANCE, both at least 1")
     return Policy(kind, number)
 
@@ -176,9 +177,9 @@ def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: 
     recording, sizes, rates = refined(recording, sizes, rates, refine)
     both = [n for network in networks for n in (network, loggp.ideal(network))]
     sums = [_Sum(n_ranks) for _ in both]
-    owners, since_move, n_moves, space, copies = None, 0, 0, None, None
+    owners, n_moves, space, copies = None, 0, None, None
     for k, moment in enumerate(recording.moments):
-        owners, moved, moves, since_move = _next_owners(recording, k, owners, n_ranks, partitions, policy, since_move)
+        owners, moved, moves = _next_owners(recording, k, owners, n_ranks, partitions, policy)
         n_moves += moves
         ranks = share_out(moment.mesh, owners, n_ranks, None if moves else copies)
         copies = copies_of(ranks, moment.mesh)
@@ -203,19 +204,17 @@ def _outcome(partitions, policy, network, n_cycles: int, n_moves: int, real: _Su
                    pop.imbalance_by_cause(useful, seconds), real.traffic.over(n_cycles))
 
 
-def _next_owners(recording: Recording, k: int, before, n_ranks: int, partitions: Partitions, policy: Policy,
-                 since_move: int):
-    """Owners of the elements of a moment, which elements have moved, how often, and cycles since the last move."""
+def _next_owners(recording: Recording, k: int, before, n_ranks: int, partitions: Partitions, policy: Policy):
+    """Owners of the elements of a moment, which elements have moved, and how often the mesh is shared out anew."""
     moment = recording.moments[k]
-    if before is None:
-        return partitions.owners(k, moment, n_ranks), None, 0, moment.n_cycles
-    kept = _carry_over(recording.moments[k - 1], moment, before)
+    first = before is None
+    kept = partitions.owners(k, moment, n_ranks) if first else _carry_over(recording.moments[k - 1], moment, before)
     work = np.bincount(kept, weights=moment.element_seconds, minlength=n_ranks)
-    moves = policy.moves(moment, pop.imbalance(work), since_move)
+    moves = policy.moves(moment, 1.0 if first else pop.imbalance(work))
     if moves == 0:
-        return kept, None, 0, since_move + moment.n_cycles
-    owners = partitions.owners(k, moment, n_ranks)
-    return owners, moved_elements(kept, owners, n_ranks), moves, 0
+        return kept, None, 0
+    owners = kept if first else partitions.owners(k, moment, n_ranks)
+    return owners, moved_elements(kept, owners, n_ranks), moves
 
 
 def _carry_over(earlier: Moment, moment: Moment, owners: np.ndarray) -> np.ndarray:

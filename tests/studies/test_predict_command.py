@@ -13,7 +13,7 @@ from predict_scenes import STUDIES, sample_recording
 import loggp
 import prediction
 from networks import find_network, read_network
-from recording import read_recording, write_recording
+from recording import Moment, read_recording, write_recording
 from recording_check import mistakes_in
 
 
@@ -108,6 +108,7 @@ def test_owners_of_kerf_partition(run_folder, tmp_path):
     (("--ranks", "0"), "--ranks: error: `0`; expected numbers as 2,4,8 or a range as 2..4096"),
     (("--ranks", "two"), "--ranks: error: `two`; expected numbers"),
     (("--policy", "sometimes"), "--policy: error: a policy `sometimes`; expected never, every:CYCLES or threshold:"),
+    (("--policy", "every:1.5"), "--policy: error: a policy `every:1.5`; expected"),
     (("--policy", "threshold:0.5"), "--policy: error: a policy `threshold:0.5`; expected"),
     (("--network", "carrier_pigeon"), "--network: error: there is no network `carrier_pigeon`; expected a file or one"),
     (("--method", "rcb"), "--method: error: there is no --partitions; expected a file of kerf partition"),
@@ -176,3 +177,12 @@ def test_moments_must_follow_one_another(tmp_path):
     recording = sample_recording()
     recording.moments.reverse()
     assert any("expected at least" in line and "after the moment before" in line for line in mistakes_in(recording))
+
+
+@pytest.mark.parametrize("every, moves", [(20, 16), (50, 6), (7, 46), (322, 1), (323, 0)])
+def test_the_policy_every_moves_as_often_as_a_run(every, moves):
+    """322 cycles in ten moments; a run moves in the cycles that `every` divides."""
+    starts = np.linspace(1, 323, 11).astype(int)
+    found = [prediction.read_policy(f"every:{every}").moves(Moment(int(a), int(b - a), None, None, None), 1.0)
+             for a, b in zip(starts, starts[1:])]
+    assert sum(found) == moves
