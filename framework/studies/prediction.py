@@ -47,7 +47,12 @@ class FilePartitions:
         """Of the last state of the file that is not later than the moment."""
         import h5py
 
-        with h5py.File(self.path) as file:
+        try:
+            file = h5py.File(self.path)
+        except OSError as error:
+            raise PartitionError(f"{self.path}: error: the file cannot be read: {error}; expected one that kerf "
+                                 "partition has written") from error
+        with file:
             states = sorted((float(group.attrs["time"]), name) for name, group in file.items() if "time" in group.attrs)
             fitting = [name for time, name in states if time <= state.time * (1.0 + 1e-9)]
             if not fitting:
