@@ -91,6 +91,10 @@ class Policy:
             return int((since_move + moment.n_cycles) // self.value)
         return 1 if self.kind == "threshold" and imbalance > self.value else 0
 
+    def since_last(self, moment: Moment, moves: int, since_move: int) -> int:
+        """Cycles since the last move at the end of a moment in which it has moved so often."""
+        return since_move + moment.n_cycles - int(moves * self.value) if self.kind == "every" else moment.n_cycles
+
 
 def read_policy(text: str) -> Policy:
     kind, _, value = text.partition(":")
@@ -220,7 +224,7 @@ def _next_owners(recording: Recording, k: int, before, n_ranks: int, partitions:
     if moves == 0:
         return kept, None, 0, since_move + moment.n_cycles
     owners = partitions.owners(k, moment, n_ranks)
-    return owners, moved_elements(kept, owners, n_ranks), moves, 0
+    return owners, moved_elements(kept, owners, n_ranks), moves, policy.since_last(moment, moves, since_move)
 
 
 def _carry_over(earlier: Moment, moment: Moment, owners: np.ndarray) -> np.ndarray:

@@ -79,6 +79,13 @@ def test_re_balancing_costs_something_and_evens_the_work():
     assert outcome(recording, 8, "every:50").moves == 4
 
 
+def test_cycles_since_the_last_move_count_in_the_next_moment():
+    recording = sample_recording(n_moments=3)
+    assert sum(m.n_cycles for m in recording.moments) == 300
+    for interval in (70, 130, 299):
+        assert outcome(recording, 8, f"every:{interval}").moves == 300 // interval
+
+
 def test_a_network_without_time_leaves_only_waiting():
     recording = sample_recording()
     nothing = loggp.Network("nothing", loggp.Link())
