@@ -47,7 +47,12 @@ class FilePartitions:
         """Of the last state of the file that is not later than the moment."""
         import h5py
 
-        with h5py.File(self.path) as file:
+        try:
+            file = h5py.File(self.path)
+        except OSError as error:
+            raise PartitionError(f"{self.path}: error: the file cannot be read: {error}; expected one that kerf "
+                                 "partition has written") from error
+        with file:
             states = sorted((float(group.attrs["time"]), name) for name, group in file.items() if "time" in group.attrs)
             fitting = [name for time, name in states if time <= state.time * (1.0 + 1e-9)]
             if not fitting:
@@ -60,6 +65,9 @@ class FilePartitions:
                 raise PartitionError(f"{self.path}: error: the state {fitting[-1]} has no partition {key}; expected "
                                      f"one of {known}")
             parts = methods[key][:].astype(np.int64)
+        if moment == 0 and state.cycle <= 1 and np.count_nonzero(parts >= 0) != len(state.element):
+            raise PartitionError(f"{self.path}: error: {np.count_nonzero(parts >= 0)} elements have a part; expected "
+                                 f"those of the run, {len(state.element)}")
         if state.element.max() >= len(parts):
             raise PartitionError(f"{self.path}: error: {len(parts)} elements; expected those of the run, which has an "
                                  f"element {state.element.max()}")
@@ -131,12 +139,17 @@ class _Sum:
     def add(self, clock: loggp.Clock, weight: float, program: Program) -> None:
         """Runs one cycle on a clock that has settled; it counts `weight` times."""
         self.traffic.add(traffic_of(program), weight)
-        start = clock.time.max()
+        start = clock.time.copy()
         clock.spent.clear()
         clock.useful.clear()
-        self.seconds += weight * float(clock.run(program).max() - start)
-        for name, values in clock.spent.items():
-            self.phases[name] = self.phases.get(name, 0.0) + weight * float(values.mean())
+        end = clock.run(program)
+        seconds = float(end.max() - start.max())
+        self.seconds += weight * seconds
+        # Ranks that begin apart catch up with one another in the cycle, which in a run they do once only.
+        spent = {name: float(values.mean()) for name, values in clock.spent.items()}
+        share = seconds / float((end - start).mean())
+        for name, value in spent.items():
+            self.phases[name] = self.phases.get(name, 0.0) + weight * share * value
         for name, values in clock.useful.items():
             self.useful[name] = self.useful.get(name, np.zeros(self.n_ranks)) + weight * values
 

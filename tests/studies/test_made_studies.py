@@ -63,3 +63,21 @@ def test_states_that_differ_are_told(tmp_path):
     assert equal_hashes({1: tmp_path / "1"}) == "a"
     with pytest.raises(StudyError, match="state hashes differ"):
         equal_hashes({1: tmp_path / "1", 2: tmp_path / "2"})
+
+
+def test_a_call_is_repeated_when_a_file_of_it_has_changed(tmp_path, monkeypatch):
+    import study_tools
+
+    monkeypatch.setattr(study_tools, "binary_of_kerf", lambda: KERF)
+    copy = tmp_path / "copy.sh"
+    copy.write_text('cp "$1" "$3/result"\n')
+    source = tmp_path / "input.yaml"
+    results = []
+    for text in ("one", "one", "two"):
+        source.write_text(text)
+        (tmp_path / "out").mkdir(exist_ok=True)
+        before = (tmp_path / "out" / "result").stat().st_mtime_ns if results else 0
+        study_tools.once(["bash", copy, source], tmp_path / "out", "result")
+        made = (tmp_path / "out" / "result").stat().st_mtime_ns != before
+        results.append(((tmp_path / "out" / "result").read_text(), made))
+    assert results == [("one", True), ("one", False), ("two", True)]

@@ -80,6 +80,13 @@ def test_re_balancing_costs_something_and_evens_the_work():
     assert outcome(recording, 8, "every:50").moves == 4
 
 
+def test_cycles_since_the_last_move_count_in_the_next_moment():
+    recording = sample_recording(n_moments=3)
+    assert sum(m.n_cycles for m in recording.moments) == 300
+    for interval in (70, 130, 299):
+        assert outcome(recording, 8, f"every:{interval}").moves == 300 // interval
+
+
 def test_a_network_without_time_leaves_only_waiting():
     recording = sample_recording()
     nothing = loggp.Network("nothing", loggp.Link())
@@ -112,12 +119,20 @@ def test_owners_of_kerf_partition(run_folder, tmp_path):
     (("--policy", "threshold:0.5"), "--policy: error: a policy `threshold:0.5`; expected"),
     (("--network", "carrier_pigeon"), "--network: error: there is no network `carrier_pigeon`; expected a file or one"),
     (("--method", "rcb"), "--method: error: there is no --partitions; expected a file of kerf partition"),
+    (("--partitions", "nowhere.h5", "--method", "rcb"), "nowhere.h5: error: the file cannot be read: "),
     (("--ranks", "60000"), "every number of ranks is greater than that of elements; expected fewer ranks")])
 def test_wrong_options_are_told(arguments, message, run_folder, tmp_path):
     done = predict(run_folder, "--output", tmp_path, *arguments)
     assert done.returncode == 2
     assert message in done.stderr
     assert not list(tmp_path.glob("predict*"))
+
+
+def test_a_folder_that_cannot_be_made_is_told(run_folder, tmp_path):
+    (tmp_path / "taken").write_text("")
+    done = predict(run_folder, "--ranks", 2, "--output", tmp_path / "taken")
+    assert done.returncode == 1, done.stderr
+    assert done.stderr == f"{tmp_path / 'taken'}: error: File exists; expected a folder that can be written\n"
 
 
 def test_a_file_that_is_no_recording_is_told(tmp_path):

@@ -188,6 +188,15 @@ def test_a_run_that_fails_stands_in_the_table(tmp_path):
     assert "made to fail" in (tmp_path / "out" / "report.html").read_text()
 
 
+def test_a_launcher_that_is_not_there_is_told(tmp_path):
+    environment, _ = made_up(tmp_path, {2: summary(2, 5.0, 4.0, 4.5)})
+    done = scale(write_input(tmp_path), "--ranks", "2", "--no-counts", "--launch", "no_such_launcher -n @RANKS@",
+                 "--output", tmp_path / "out", environment=environment)
+    assert done.returncode == 1
+    assert "no_such_launcher: error: the command cannot be started: No such file or directory; expected a program" in \
+        done.stderr
+
+
 def test_an_input_that_is_wrong_fails_in_every_run(tmp_path):
     done = scale(write_input(tmp_path), "--ranks", "1,2", "--repeats", "1", "--set", "time.ende=1 us", "--output",
                  tmp_path / "out")
