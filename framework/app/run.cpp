@@ -91,6 +91,7 @@ int run_to_end(MPI_Comm comm, const RunOptions& options, const std::string& fold
 }
 
 int run(MPI_Comm comm, const RunOptions& options, Registry& registry) {
+  refuse_lone_ranks(comm);
   const auto input = load_input(comm, options, registry);
   const activity::Task task("setting up and computing",
                             {input->checks.stall_limit, "checks.stall_limit", exit_physics});
@@ -102,6 +103,7 @@ int run(MPI_Comm comm, const RunOptions& options, Registry& registry) {
   Simulation simulation(comm, *input);
   if (rank_of(comm) == 0) print_warnings(simulation.warnings());
   make_result_folder(comm, settings.folder);
+  const FolderLock lock(comm, settings.folder);
   settings.plugin_files = registry.files();
   settings.input_digest = input->digest + " " + state_hash(simulation.model());
   const std::vector<std::string> before = simulation.warnings();
