@@ -62,10 +62,6 @@ class Spaces:
         if not blocks:
             self.complaints.add(node, "`points` is an empty list; expected one block or more")
         parts = [self._read_block(block, i) for i, block in enumerate(blocks)]
-        for name, parameter in self.parameters.items():
-            if name not in self._varied_in and not self.complaints:
-                self.complaints.add(parameter.node, f"`{name}` is varied by no block of `points`; expected values for it, "
-                                    "or its path under `set`")
         if self.complaints or self._too_many(node, math.prod(len(part) for part in parts)):
             return []
         return [dict(pair for part in parts_of_one for pair in part.items())
