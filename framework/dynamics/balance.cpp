@@ -13,9 +13,17 @@
 #include "core/physics_error.hpp"
 #include "model/migrator.hpp"
 #include "parallel/communicator.hpp"
+#include "partition/foresight.hpp"
 #include "partition/problem.hpp"
 
 namespace kerf {
+
+namespace {
+
+/// Weight of an element that is expected to die at once, over that of one that lives to the end.
+constexpr double least_life = 0.01;
+
+}  // namespace
 
 RankWork RankWork::of(const Model& model) {
   double work = 0.0;
@@ -146,7 +154,7 @@ void Balancer::refuse_on_one_rank(Model& model) const {
     throw InputError(lines);
 }
 
-BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle) {
+BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle, const std::vector<double>* lives) {
   const ReturnedBlocks returned;
   const auto start = std::chrono::steady_clock::now();
   BalanceMove r;
@@ -154,7 +162,11 @@ BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle) {
   const std::vector<double> work = work_of_elements(model);
   const RankWork before = RankWork::of_all(model, work);
   r.imbalance_before = before.imbalance(model.n_ranks());
-  const PartitionProblem problem = problem_of(model, *input_.partitioner, model.n_ranks(), work);
+  std::vector<double> weights = work;
+  // An element that dies at once still has to be somewhere.
+  if (lives != nullptr)
+    for (std::size_t e = 0; e < weights.size(); ++e) weights[e] *= std::max((*lives)[e], least_life);
+  const PartitionProblem problem = problem_of(model, *input_.partitioner, model.n_ranks(), std::move(weights));
   const std::vector<int> parts = find_parts(*input_.partitioner, problem);
   // From the work before the move: contact does not know its candidates again before the next search.
   r.imbalance_after = RankWork::after(model, work, parts).imbalance(model.n_ranks());
@@ -166,8 +178,10 @@ BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle) {
 }
 
 void Balancer::distribute(Model& model) {
+  std::vector<double> lives;
+  if (!input_.foresee.empty()) lives = expected_lives(model, input_.foresee, input_.foresee_origin);
   if (model.n_ranks() == 1) return refuse_on_one_rank(model);
-  BalanceMove r = migrate_elements(model, 0);
+  BalanceMove r = migrate_elements(model, 0, input_.foresee.empty() ? nullptr : &lives);
   r.first = true;
   records_.push_back(r);
   decisions_.push_back({0, 0.0, r.imbalance_before, {}, BalanceDecision::first, r});
