@@ -155,7 +155,12 @@ std::vector<CoarsePart> read_run(const Model& model, const std::string& folder) 
     file.refuse("the first frame is not of time 0; expected one of the undeformed model");
   const auto points = file.rows<double>("VTKHDF/Points", 0, n_nodes, 3, H5T_NATIVE_DOUBLE);
   const auto first = file.rows<std::int64_t>("VTKHDF/Offsets", 0, n + 1, 1, H5T_NATIVE_INT64);
+  if (first.front() != 0 || !std::is_sorted(first.begin(), first.end()))
+    file.refuse("`VTKHDF/Offsets` do not rise from 0; expected the results of a run");
   const auto corners = file.rows<std::int64_t>("VTKHDF/Connectivity", 0, first.back(), 1, H5T_NATIVE_INT64);
+  for (const std::int64_t node : corners)
+    if (node < 0 || node >= n_nodes)
+      file.refuse(fmt::format("`VTKHDF/Connectivity` names node {}; expected 0 to {}", node, n_nodes - 1));
   const auto part_of = file.rows<std::int32_t>("VTKHDF/CellData/part", 0, n, 1, H5T_NATIVE_INT32);
   const std::vector<std::string> names = file.texts("Kerf/part_names");
   const std::vector<double> lives = lives_of(folder, n, end_of_run(folder, model.input->time.end));
