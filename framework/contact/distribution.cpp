@@ -85,6 +85,32 @@ double ContactEngine::farthest_reach(const std::vector<ContactNodeRecord>& slave
   return std::min(reach, beyond);
 }
 
+double ContactEngine::half_edge(const Box& box) {
+  double edge = 0.0;
+  for (int d = 0; d < 3; ++d) edge = std::max(edge, static_cast<double>(box.high[d]) - box.low[d]);
+  return std::min(0.5 * edge, beyond);
+}
+
+/// Of the boxes of tracked nodes, half the longest edge [m].
+double ContactEngine::mean_half_edge() const {
+  double sum = 0.0;
+  for (const Tracked& t : tracked_) sum += half_edge(t.box);
+  return tracked_.empty() ? 0.0 : sum / static_cast<double>(tracked_.size());
+}
+
+void ContactEngine::note_spread(const std::vector<ContactFacetRecord>& facets) {
+  n_facets_ = static_cast<std::int64_t>(facets.size());
+  facet_spread_ = 0.0;
+  for (const ContactFacetRecord& f : facets) facet_spread_ += std::max(half_edge(f.box) - 0.5 * f.edge, 0.0);
+  facet_spread_ -= static_cast<double>(n_facets_) * mean_half_edge();
+}
+
+ContactEngine::Spread ContactEngine::spread() const {
+  Spread now{0.0, facet_spread_ + static_cast<double>(n_facets_) * mean_half_edge(), n_facets_};
+  for (const Tracked& t : tracked_) now.slave = std::max(now.slave, half_edge(t.box));
+  return now;
+}
+
 /// Puts records into the post of the ranks whose box of space they concern, and makes the owners of their nodes known
 /// to these ranks.
 void ContactEngine::put(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets,

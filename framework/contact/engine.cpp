@@ -132,6 +132,7 @@ void ContactEngine::search(Model& model, const Step& step) {
   for (const std::int32_t i : surface)
     if (track(model, i, search_time_)) add_slave(model, tracked_.size() - 1, slaves);
   std::vector<ContactFacetRecord> facets = collect_facets(model, exterior);
+  note_spread(facets);
   channel_.clear();
   if (model.n_ranks() > 1) distribute(model, slaves, facets);
   search_ = std::make_unique<CandidateSearch>(std::move(slaves), std::move(facets), request_.same_part,

@@ -126,6 +126,16 @@ class ContactEngine {
   std::size_t n_candidates() const;
   /// Surface nodes of this rank that candidates are looked for.
   std::size_t n_surface_nodes() const { return tracked_.size(); }
+  /// Ids of the slaves that this rank owns, with or without candidates.
+  std::vector<std::int64_t> slave_ids(const Model& model) const;
+  /// How far boxes reach, of this rank: what records of a search would be sent by.
+  struct Spread {
+    double slave = 0.0;  // of a slave, beyond its middle, the farthest [m]
+    double facets = 0.0;  // of facets, beyond their corners, added up [m]
+    std::int64_t n_facets = 0;
+  };
+  Spread spread() const;
+  bool has_friction() const { return law_.response().friction > 0.0; }
   /// Candidates of the local nodes that this rank owns, at the last complete search; empty where the nodes have got
   /// other numbers since.
   const std::vector<std::int64_t>& candidates_of_nodes() const { return n_candidates_; }
@@ -134,6 +144,11 @@ class ContactEngine {
     std::int64_t searches = 0, renewals = 0, refreshes = 0;
   };
   const Counts& counts() const { return counts_; }
+  /// Of all renewals so far, on this rank: nodes with new boxes, and all that there were.
+  struct Renewed {
+    std::int64_t nodes = 0, all = 0;
+  };
+  const Renewed& renewed() const { return renewed_; }
   /// Sentence about a force that cannot be, or empty. Local.
   const std::string& trouble() const { return trouble_; }
   /// Sentences about bodies that overlap at the start. Collective; the same on all ranks.
@@ -185,6 +200,9 @@ class ContactEngine {
   };
   Extent extent_of(const Model& model, const std::vector<ContactNodeRecord>& slaves) const;
   double farthest_reach(const std::vector<ContactNodeRecord>& slaves) const;
+  static double half_edge(const Box& box);
+  double mean_half_edge() const;
+  void note_spread(const std::vector<ContactFacetRecord>& facets);
   void put(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets, Post& post);
   void take(std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets, const Post& post);
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
@@ -219,6 +237,9 @@ class ContactEngine {
   // difference from the frame's velocity up to which nodes counted [m2/s2].
   std::vector<ContactFrame> mean_frames_;
   std::vector<double> within_;
+  Renewed renewed_;
+  double facet_spread_ = 0.0;  // of the facets of the last complete search, beyond the boxes of their corners [m]
+  std::int64_t n_facets_ = 0;
   double search_time_ = 0.0, horizon_ = 0.0, slack_ = 0.0, slave_reach_ = 0.0;  // [s], [s], [m], [m]
   std::vector<Tracked> tracked_;
   // Of the tracked nodes, seen from the frames of their bodies; apart, because few bodies have one of their own to look

@@ -79,6 +79,15 @@ void ContactEngine::add_slave(const Model& model, std::size_t tracked, std::vect
   records.push_back(r);
 }
 
+std::vector<std::int64_t> ContactEngine::slave_ids(const Model& model) const {
+  std::vector<ContactNodeRecord> records;
+  for (std::size_t k = 0; k < tracked_.size(); ++k) add_slave(model, k, records);
+  std::vector<std::int64_t> ids;
+  ids.reserve(records.size());
+  for (const ContactNodeRecord& r : records) ids.push_back(r.id);
+  return ids;
+}
+
 /// Fills the record of a facet whose corners are tracked. False where it has no role in this contact.
 bool ContactEngine::collect_facet(const Model& model, const ExteriorFacet& f, ContactFacetRecord& r) const {
   const NodeStore& nodes = model.nodes;

@@ -124,6 +124,8 @@ void ContactEngine::keep_complete(Model& model, const Step& step, const ContactP
     return;
   }
   last_renewal_ = step.cycle;
+  renewed_.nodes += static_cast<std::int64_t>(strays_.size());
+  renewed_.all += static_cast<std::int64_t>(tracked_.size());
   refresh(model, true, news);
   ++counts_.renewals;
 }

@@ -384,9 +384,31 @@ std::uint64_t Dataset::n_entries() const {
   return n;
 }
 
+namespace {
+
+/// The first value of an attribute of numbers.
+template <class T>
+T number_of(const Group& group, const std::string& name) {
+  for (const Attribute& a : group.attributes) {
+    if (a.name != name || a.type != type_of<T>() || a.content.size() < sizeof(T)) continue;
+    T value{};
+    std::memcpy(&value, a.content.data(), sizeof(T));
+    return value;
+  }
+  throw std::runtime_error("there is no number named \"" + name + "\"");
+}
+
+}  // namespace
+
 void Group::set(const std::string& name, std::int64_t value) {
   Attribute& a = attribute_named(*this, name);
   a.type = type_of<std::int64_t>();
+  a.content = bytes_of(std::as_bytes(std::span(&value, 1)));
+}
+
+void Group::set_real(const std::string& name, double value) {
+  Attribute& a = attribute_named(*this, name);
+  a.type = type_of<double>();
   a.content = bytes_of(std::as_bytes(std::span(&value, 1)));
 }
 
@@ -404,15 +426,8 @@ void Group::set(const std::string& name, const std::string& text) {
   a.content.resize(a.type.size);
 }
 
-std::int64_t Group::integer(const std::string& name) const {
-  for (const Attribute& a : attributes) {
-    if (a.name != name || a.type != type_of<std::int64_t>() || a.content.size() < 8) continue;
-    std::int64_t value = 0;
-    std::memcpy(&value, a.content.data(), 8);
-    return value;
-  }
-  throw std::runtime_error("there is no number named \"" + name + "\"");
-}
+std::int64_t Group::integer(const std::string& name) const { return number_of<std::int64_t>(*this, name); }
+double Group::real(const std::string& name) const { return number_of<double>(*this, name); }
 
 Image build_image(Group& root, std::uint64_t place) {
   Builder builder(place);

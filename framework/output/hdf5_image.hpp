@@ -62,8 +62,11 @@ struct Group {
   void set(const std::string& name, std::int64_t value);
   void set(const std::string& name, const std::vector<std::int64_t>& values);
   void set(const std::string& name, const std::string& text);
+  void set_real(const std::string& name, double value);
   /// The first value of an integer attribute; throws std::runtime_error where there is none.
   std::int64_t integer(const std::string& name) const;
+  /// The same of an attribute that set_real() has set.
+  double real(const std::string& name) const;
 };
 
 /// All headers of a file, and its small datasets.

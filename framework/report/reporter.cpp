@@ -35,8 +35,8 @@ std::vector<HistoryColumn> history_columns() {
 // the older of them.
 void remove_what_is_stale(const ReportSettings& settings) {
   remove_if_there(settings.folder + "/summary.json");
-  remove_if_there(settings.folder + "/recording.h5");
   if (settings.resume) return;
+  remove_if_there(settings.folder + "/recording.h5");
   const std::string newest = restart_path(settings.folder);
   rename_if_there(newest, settings.folder + "/restart/earlier_run.h5");
   remove_if_there(previous_restart(newest));
@@ -81,11 +81,14 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
                     model.n_ranks(), model.n_ranks() == 1 ? "" : "s", simulation.first_stable_step()));
 }
 
-/// A run that is resumed records what it does itself.
+/// A run that is resumed goes on with the recording of the cycles before. Without an interval it leaves that alone.
 void Reporter::begin_recording() {
-  if (!(input_.output.recording_interval > 0.0)) return;
-  recorder_ = std::make_unique<WorkRecorder>(settings_.folder + "/recording.h5", settings_.input_name, simulation_);
-  next_recording_ = simulation_.clock().time() + input_.output.recording_interval;
+  const double interval = input_.output.recording_interval;
+  if (!(interval > 0.0)) return;
+  recorder_ = std::make_unique<WorkRecorder>(settings_.folder + "/recording.h5", settings_.input_name, interval,
+                                             settings_.resume, simulation_);
+  if (!recorder_->gap().empty()) simulation_.warn(recorder_->gap());
+  next_recording_ = next_due(interval, interval, simulation_.clock().time() + due_tolerance(input_.time));
 }
 
 void Reporter::start_anew(const std::string& folder) {
@@ -267,6 +270,8 @@ void Reporter::write_restart() {
   write_erosions();
   erosion_log_->sync();
   balance_log_->sync();
+  if (recorder_)
+    recorder_->write(simulation_);  // a moment ends here, so that a run that is resumed goes on with another
   due_.n_frames = results_->n_frames();
   due_.observers = observers_.progress();
   due_.eroded_by = eroded_by_;

@@ -1,4 +1,7 @@
-"""Recursive coordinate bisection of points with weights, all parts of a level at once."""
+"""Recursive coordinate bisection of points with weights, all parts of a level at once.
+
+`Cuts` may part points of equal coordinates. `SpaceCuts` is what partitioners/bisection.cpp does: space alone decides.
+"""
 
 from __future__ import annotations
 
@@ -74,3 +77,73 @@ class Cuts:
             along = points[np.arange(len(points)), axis[group]]
             group = first_child[group] + (along > place[group])
         return group
+
+    def parts_of_boxes(self, low, high) -> tuple[np.ndarray, np.ndarray]:
+        """All pairs of a box and a part that it touches: numbers of boxes, and parts."""
+        box, group = np.arange(len(low)), np.zeros(len(low), dtype=np.int64)
+        for axis, place, first_child in self.levels:
+            below = low[box, axis[group]] <= place[group]
+            above = high[box, axis[group]] > place[group]
+            child = first_child[group]
+            box = np.concatenate([box[below], box[above]])
+            group = np.concatenate([child[below], child[above] + 1])
+        return box, group
+
+
+class SpaceCuts(Cuts):
+    """Cuts the longest edge of each region of space, where no two points that are as good as side by side are parted.
+
+    As partitioners/bisection.cpp: the region of all points is the box round them, and a cut finds its place among
+    `bins` slices of its region.
+    """
+    bins = 65536
+
+    def __init__(self, points, weights, n_parts: int):
+        points = np.asarray(points, dtype=float).reshape(-1, 3)
+        self.low = points.min(axis=0, keepdims=True) if len(points) else np.zeros((1, 3))
+        self.high = points.max(axis=0, keepdims=True) if len(points) else np.zeros((1, 3))
+        super().__init__(points, weights, n_parts)
+        del self.low, self.high
+
+    def _cut(self, points, weights, group, sizes):
+        n = len(sizes)
+        cut, lower = sizes > 1, sizes // 2
+        first_child = np.cumsum(1 + cut) - (1 + cut)
+        axis = np.argmax(self.high - self.low, axis=1)
+        each = np.arange(n)
+        start, edge = self.low[each, axis], (self.high - self.low)[each, axis]
+        place = np.where(cut, self._places(points, weights, group, axis, start, edge, lower / sizes), np.inf)
+        self.levels.append((axis, place, first_child))
+        children = np.repeat(each, 1 + cut)
+        upper = np.zeros(len(children), dtype=bool)
+        upper[first_child[cut] + 1] = True
+        first = cut[children] & ~upper
+        self.low, self.high = self.low[children], self.high[children]
+        self.low[upper, axis[children[upper]]] = place[children[upper]]
+        self.high[first, axis[children[first]]] = place[children[first]]
+        new_sizes = np.where(upper, (sizes - lower)[children], np.where(first, lower[children], sizes[children]))
+        return first_child[group] + (points[np.arange(len(points)), axis[group]] > place[group]), new_sizes
+
+    def _places(self, points, weights, group, axis, start, edge, share) -> np.ndarray:
+        """Where each region is cut."""
+        n = len(start)
+        width = edge / self.bins
+        along = points[np.arange(len(points)), axis[group]]
+        bin_of = np.clip((along - start[group]) / np.maximum(width[group], 1e-300), 0, self.bins - 1).astype(np.int64)
+        key, run = np.unique(group * self.bins + bin_of, return_inverse=True)
+        inside = np.bincount(run, weights=weights, minlength=len(key))
+        g = key // self.bins
+        total = np.bincount(g, weights=inside, minlength=n)
+        reached = np.cumsum(inside) - (np.cumsum(total) - total)[g]  # at the end of each slice that has points
+        target = (share * total)[g]
+        enough = np.flatnonzero(reached >= target * (1.0 - 1e-12))
+        chosen = np.full(n, len(key), dtype=np.int64)
+        np.minimum.at(chosen, g[enough], enough)
+        place = start + 0.5 * edge  # of a region without points
+        some = np.flatnonzero(chosen < len(key))
+        k = chosen[some]
+        taken = target[k] - (reached - inside)[k] >= 0.5 * inside[k]
+        slice_of = key[k] % self.bins
+        place[some] = np.where(taken, start[some] + (slice_of + 1) * width[some],
+                               np.nextafter(start[some] + slice_of * width[some], -np.inf))
+        return place

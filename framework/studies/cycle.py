@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from program import Messages, Program, joined
-from virtual_ranks import ContactScene, Mesh, VirtualRanks, opened_facets
+from virtual_ranks import ContactScene, Mesh, VirtualRanks, opened_by
 
 PHASES = ("nodes", "rebalance", "elements", "halo", "loads", "contact_search", "contact_forces", "erosion")
 
@@ -25,14 +25,23 @@ class Sizes:
     load: int = 32  # contact/engine.cpp, Exchange::add_up: four sums
     request: int = 8  # contact/channel.cpp, request: an id
     agreement: int = 8  # contact/engine.cpp: greatest(...)
+    surface_mark: int = 8  # contact/surface_records.cpp, surface_nodes
     live_count: int = 8  # erosion/neighbourhood.cpp
     alive_flag: int = 8  # model/surface.cpp
     slave_record: int = 96  # contact/records.hpp: ContactNodeRecord
     facet_record: int = 216  # contact/records.hpp: ContactFacetRecord
-    opened: int = 5 * 216 + 8 * 96  # five facets and the nodes of an element that has eroded
+    opened_slave: int = 96  # the same records, of what erosion lays bare
+    opened_facet: int = 216
+    record_header: int = 32  # contact/engine.hpp: Post::n_lists lengths of lists
+    holder: int = 4  # contact/distribution.cpp, put: a rank that looks at nodes
+    dead: int = 8  # contact/upkeep.cpp, announce_change: an id
+    candidate_count: int = 8  # contact/engine.cpp, count_candidates
+    frames: int = 128  # contact/foresight.cpp: sums over nodes of a body
+    extent: int = 56  # contact/distribution.cpp, extent_of: seven numbers
     element_header: int = 80  # model/migrator.cpp: Header
     element_record: int = 400  # model/part_store.hpp: record_size() fields; depends on element and material
     node_record: int = 128  # model/node_store.hpp: NodeRecord
+    home: int = 8  # parallel/ownership.cpp: the id of a copy
     owner: int = 4  # parallel/ownership.cpp: a rank
 
 
@@ -40,7 +49,8 @@ class Sizes:
 class Rates:
     """Work that is not recorded per element or slave."""
     node: float = 2.0e-9  # kick and drift of one copy of a node [s]
-    packed: float = 1.0e-9  # per item that is packed or unpacked [s]
+    packed: float = 2.5e-8  # per item that is packed or unpacked [s]; measured, doc/theory/prediction.md
+    record: float = 4.0e-7  # per record of a search that a rank gets, its own among them [s]; measured, the same
     rebuild: float = 2.0e-6  # per element of a rank after a move: numbering, plans, surface [s]
     partition: float = 0.0  # per element of a rank, to find new owners [s]
 
@@ -55,7 +65,11 @@ class CycleWork:
     eroded: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # elements
     rounds: int = 12  # of impacts
     agreements: int = 0  # reductions of contact besides the one of the step
-    searches: bool = False
+    friction: bool = False
+    loads: bool = False  # whether loads act on anything
+    search: str = ""  # `complete`, `renewal` of all boxes, `refresh` of some
+    renewed: float = 1.0  # share of the slaves whose records a renewal sends
+    looks_always: bool = False  # there is no search in many cycles, and its time is that of every cycle
     moved: Messages | None = None  # elements that change their owners, in a cycle that re-balances
 
 
@@ -70,6 +84,8 @@ def add_cycle(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork
     if n > 1:
         add_sum_over_copies(program, "halo", ranks.halo, sizes.force, rates)
     if work.load_seconds is not None:
+        if n > 1 and work.loads:
+            add_sum_over_copies(program, "loads", ranks.halo, sizes.force, rates)
         program.compute("loads", ranks.sum_over_elements(work.load_seconds))
     in_contact = len(work.contact.slaves) > 0
     program.allreduce("halo", sizes.reduction + (sizes.contact_note if in_contact else 0))
@@ -106,7 +122,9 @@ def add_sum_over_copies(program: Program, phase: str, halo: Messages, item_bytes
 
 def add_contact(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Sizes, rates: Rates) -> None:
     held, active = ranks.contact_pull, ranks.contact_active
-    if work.searches:
+    if work.looks_always or work.search in ("complete", "renewal"):
+        program.compute("contact_search", ranks.sum_over_slaves(work.contact.search_seconds))
+    if work.search and program.n_ranks > 1:
         add_search(program, ranks, work, sizes, rates)
     for _ in range(work.agreements):
         program.allreduce("contact_search", sizes.agreement)
@@ -122,7 +140,8 @@ def add_contact(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: S
         if k % 3 == 0:
             add_sum(program, active, sizes.load, rates)
         program.compute("contact_forces", step)
-    add_push(program, "contact_forces", answers(active), sizes.force, rates)
+    for _ in range(1 + work.friction):
+        add_push(program, "contact_forces", answers(active), sizes.force, rates)
     add_push(program, "halo", answers(ranks.halo), sizes.force, rates)
 
 
@@ -133,12 +152,34 @@ def add_sum(program: Program, active: Messages, item_bytes: int, rates: Rates) -
 
 
 def add_search(program: Program, ranks: VirtualRanks, work: CycleWork, sizes: Sizes, rates: Rates) -> None:
-    """Records go to the ranks of contact, which look for candidates, ask for their nodes and tell their number."""
-    records = joined(ranks.contact_slaves, sizes.slave_record, ranks.contact_facets, sizes.facet_record)
-    program.consensus("contact_search", records, 1)
-    program.compute("contact_search", ranks.sum_over_slaves(work.contact.search_seconds))
-    for _ in range(2):
-        add_push(program, "contact_search", answers(ranks.contact_pull), sizes.request, rates)
+    """Records go to the ranks of contact, which ask for the nodes of their candidates and tell the number of these."""
+    records = joined((ranks.contact_slaves, sizes.slave_record), (ranks.contact_facets, sizes.facet_record),
+                     (ranks.contact_met, sizes.holder), header=sizes.record_header)
+    if work.search == "complete":
+        add_sum_over_copies(program, "contact_search", ranks.halo, sizes.surface_mark, rates)
+        # Frames of bodies there and back, the extent, and whether the boxes of space are good enough.
+        for n_bytes in (sizes.frames, sizes.frames, 8 * program.n_ranks, sizes.extent):
+            program.allreduce("contact_search", n_bytes)
+        program.consensus("contact_search", records, 1)
+    elif work.search == "renewal":
+        program.exchange("contact_search", share_of(records, work.renewed, sizes.record_header), 1)
+    else:
+        told = Messages(records.source, records.destination, np.ones(len(records), dtype=np.int64))
+        program.exchange("contact_search", told, sizes.record_header)
+    if work.search != "refresh":
+        share = work.renewed if work.search == "renewal" else 1.0
+        program.compute("contact_search", share * rates.record * ranks.contact_records)
+    if work.search == "complete":
+        add_push(program, "contact_search", ranks.contact_asked, sizes.request, rates)
+        add_push(program, "contact_search", answers(ranks.contact_pull), sizes.candidate_count, rates)
+    else:
+        add_push(program, "contact_search", ranks.contact_unasked, sizes.request, rates)
+
+
+def share_of(records: Messages, share: float, header: int) -> Messages:
+    """The same messages with a share of their records."""
+    n_bytes = header + np.rint((records.items - header) * share).astype(np.int64)
+    return Messages(records.source, records.destination, n_bytes)
 
 
 def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWork, sizes: Sizes,
@@ -147,7 +188,15 @@ def add_erosion(program: Program, ranks: VirtualRanks, mesh: Mesh, work: CycleWo
         program.compute("erosion", ranks.sum_over_elements(work.erosion_seconds))
     add_sum_over_copies(program, "erosion", ranks.halo, sizes.live_count, rates)
     add_push(program, "erosion", ranks.interface_faces, sizes.alive_flag, rates)
-    program.consensus("erosion", opened_facets(ranks, mesh, work.eroded), sizes.opened)
+    if not len(work.contact.slaves) or program.n_ranks == 1:
+        return
+    opened = opened_by(ranks, mesh, work.contact, work.eroded)
+    # Kerf times what contact hears of it as a search.
+    add_sum_over_copies(program, "contact_search", ranks.halo, sizes.surface_mark, rates)
+    news = joined((opened.facets, sizes.opened_facet), (opened.slaves, sizes.opened_slave), (opened.dead, sizes.dead),
+                  header=sizes.record_header)
+    program.consensus("contact_search", news, 1)
+    add_push(program, "contact_search", ranks.contact_unasked, sizes.request, rates)
 
 
 def add_move(program: Program, ranks: VirtualRanks, moved: Messages, sizes: Sizes, rates: Rates) -> None:
@@ -156,7 +205,7 @@ def add_move(program: Program, ranks: VirtualRanks, moved: Messages, sizes: Size
     for item_bytes in (sizes.element_header, sizes.element_record, sizes.node_record):
         program.consensus("rebalance", moved, item_bytes)  # about as many nodes as elements
     homes = ranks.to_homes()
-    program.consensus("rebalance", homes, sizes.request)
+    program.consensus("rebalance", homes, sizes.home)
     program.consensus("rebalance", homes.back(), sizes.owner)
     program.consensus("rebalance", ranks.halo, sizes.request)
     program.compute("rebalance", rates.rebuild * ranks.elements)

@@ -160,6 +160,13 @@ class Clock:
         self.rounds: dict[str, list[Messages]] = {}
         self.counts: list[tuple[Messages, int]] | None = None
 
+    def state(self) -> list[np.ndarray]:
+        """When ranks, cards and links are free; without what the time went into."""
+        return [v.copy() for v in (self.time, self.card_out, self.card_in, self.node_out, self.node_in)]
+
+    def set_state(self, state: list[np.ndarray]) -> None:
+        self.time, self.card_out, self.card_in, self.node_out, self.node_in = (v.copy() for v in state)
+
     def run(self, program: prog.Program) -> np.ndarray:
         """Runs the steps; returns the clocks at the end."""
         if program.n_ranks != self.n_ranks:

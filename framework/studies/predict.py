@@ -27,6 +27,7 @@ except ModuleNotFoundError as error:
 
 RECORDING = "recording.h5"  # in the folder of a run
 MOST_RANKS = 1 << 16
+MOST_REFINED = 100
 
 
 class OptionError(Exception):
@@ -64,6 +65,8 @@ def arguments(argv: list[str]) -> argparse.Namespace:
                         "(default: never)")
     parser.add_argument("--contact-space", choices=("rcb", "owners"), default="rcb",
                         help="contact has its own decomposition, or follows the elements (default: %(default)s)")
+    parser.add_argument("--refine", type=int, default=1, metavar="K", help="each recorded element stands for K x K x K "
+                        "elements (default: %(default)s)")
     parser.add_argument("--output", type=Path, help="folder of tables and pictures (default: the folder of the run)")
     parser.add_argument("--measure-network", type=Path, metavar="FILE", help="measure the network between two ranks, "
                         "and write its description")
@@ -89,13 +92,14 @@ def policies_of(args: argparse.Namespace) -> list[prediction.Policy]:
         raise OptionError(f"--policy: error: {error}") from error
 
 
-def table_row(outcome: prediction.Outcome, serial: prediction.Outcome) -> dict:
+def table_row(outcome: prediction.Outcome, serial: prediction.Outcome, refine: int) -> dict:
     """One line of the table. The reference is one rank, whose cycle has no messages."""
     factors = pop.factors(outcome.total_useful(), outcome.seconds, outcome.ideal_seconds, serial.total_useful().sum())
     row = {"network": outcome.network, "partitioner": outcome.partitioner, "policy": outcome.policy,
            "ranks": outcome.n_ranks, "seconds_per_cycle": outcome.seconds, "speed_up": serial.seconds / outcome.seconds,
            "efficiency": serial.seconds / outcome.seconds / outcome.n_ranks, **factors.as_dict(),
-           "moves": outcome.moves}
+           "refine": refine, "moves": outcome.moves, "messages": outcome.traffic.messages,
+           "bytes": outcome.traffic.n_bytes, "collectives": outcome.traffic.collectives}
     for cause, numbers in outcome.causes.items():
         row |= {f"imbalance_{cause}": numbers["imbalance"], f"lost_{cause}": numbers["lost"]}
     return row | {f"seconds_{phase}": seconds for phase, seconds in outcome.phases.items()}
@@ -105,16 +109,20 @@ def predict_all(recording: Recording, args: argparse.Namespace, networks: list) 
     """All rows, by network, partitioner, policy and ranks."""
     rows = []
     ranks = read_ranks(args.ranks)
-    serial = prediction.predict(recording, 1, prediction.CutPartitions(), prediction.Policy(), networks[:1])[0]
+    if not 1 <= args.refine <= MOST_REFINED:
+        raise OptionError(f"--refine: error: {args.refine}; expected a whole number from 1 to {MOST_REFINED}")
+    serial = prediction.predict(recording, 1, prediction.CutPartitions(), prediction.Policy(), networks[:1],
+                                refine=args.refine)[0]
     for partitions in partitions_of(args):
         for policy in policies_of(args):
             for n in ranks:
                 if n > min(len(m.mesh.cells) for m in recording.moments):
                     print(f"{n} ranks are more than there are elements; no prediction", file=sys.stderr)
                     continue
-                outcomes = prediction.predict(recording, n, partitions, policy, networks, args.contact_space)
+                outcomes = prediction.predict(recording, n, partitions, policy, networks, args.contact_space,
+                                              refine=args.refine)
                 for outcome in outcomes:
-                    rows.append(table_row(outcome, serial))
+                    rows.append(table_row(outcome, serial, args.refine))
                     print(f"{outcome.network:<28}{outcome.partitioner:<12}{outcome.policy:<16}{n:>6} ranks  "
                           f"{outcome.seconds:.4g} s per cycle, efficiency {rows[-1]['efficiency']:.3f}", flush=True)
     return sorted(rows, key=lambda r: (r["network"], r["partitioner"], r["policy"], r["ranks"]))
@@ -142,7 +150,7 @@ def run(args: argparse.Namespace) -> None:
     folder = args.output or path.parent
     folder.mkdir(parents=True, exist_ok=True)
     write_tables(rows, folder, {"recording": str(path), "source": recording.source,
-                                "contact_space": args.contact_space,
+                                "contact_space": args.contact_space, "refine": args.refine,
                                 "networks": [n.name for n in networks]})
     import prediction_charts
 

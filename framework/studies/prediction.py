@@ -12,9 +12,10 @@ import cycle as cycles
 import loggp
 import pop
 from cuts import Cuts
-from program import Program
+from program import Program, Traffic, traffic_of
 from recording import Moment, Recording
-from virtual_ranks import VirtualRanks, moved_elements, share_out, share_out_contact
+from refinement import refined, refined_copies, thin_out
+from virtual_ranks import VirtualRanks, copies_of, moved_elements, share_out, share_out_contact
 
 
 class PartitionError(Exception):
@@ -111,6 +112,7 @@ class Outcome:
     useful: dict[str, np.ndarray] = field(default_factory=dict)  # computing, per rank [s]
     moves: int = 0
     causes: dict[str, dict[str, float]] = field(default_factory=dict)
+    traffic: Traffic = field(default_factory=Traffic)  # of one cycle, the mean
 
     def total_useful(self) -> np.ndarray:
         return np.sum(list(self.useful.values()), axis=0)
@@ -123,9 +125,11 @@ class _Sum:
         self.n_ranks, self.seconds = n_ranks, 0.0
         self.phases: dict[str, float] = {}
         self.useful: dict[str, np.ndarray] = {}
+        self.traffic = Traffic()
 
     def add(self, clock: loggp.Clock, weight: float, program: Program) -> None:
         """Runs one cycle on a clock that has settled; it counts `weight` times."""
+        self.traffic.add(traffic_of(program), weight)
         start = clock.time.max()
         clock.spent.clear()
         clock.useful.clear()
@@ -136,13 +140,22 @@ class _Sum:
             self.useful[name] = self.useful.get(name, np.zeros(self.n_ranks)) + weight * values
 
 
+def plain_cycle(moment: Moment) -> cycles.CycleWork:
+    """Without a search, erosion or migration."""
+    return cycles.CycleWork(moment.element_seconds, moment.contact, moment.load_seconds, moment.erosion_seconds,
+                            rounds=max(round(moment.rounds), 1), agreements=max(round(moment.agreements), 0),
+                            friction=moment.friction > 0.5, renewed=moment.renewed, loads=moment.n_loads > 0,
+                            looks_always=moment.n_searches + moment.n_renewals == 0.0)
+
+
 def kinds_of_cycles(moment: Moment, moved, n_moves: int) -> list[tuple[cycles.CycleWork, float]]:
     """The different cycles of a moment, and how many of each there are."""
-    plain = cycles.CycleWork(moment.element_seconds, moment.contact, moment.load_seconds, moment.erosion_seconds,
-                             rounds=max(round(moment.rounds), 1), agreements=max(round(moment.agreements), 0))
+    plain = plain_cycle(moment)
     kinds = [(plain, float(moment.n_cycles))]
     # A cycle in which more happens takes the place of a plain one.
-    for n, changes in ((moment.n_searches, {"searches": True}), (moment.n_eroding, {"eroded": moment.eroded}),
+    for n, changes in ((moment.n_searches, {"search": "complete"}),
+                       (moment.n_renewals, {"search": "renewal"}), (moment.n_refreshes, {"search": "refresh"}),
+                       (moment.n_eroding, {"eroded": moment.eroded}),
                        (float(n_moves), {"moved": moved})):
         if n > 0.0:
             kinds.append((replace(plain, **changes), n))
@@ -151,24 +164,32 @@ def kinds_of_cycles(moment: Moment, moved, n_moves: int) -> list[tuple[cycles.Cy
 
 
 def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: Policy, networks: list[loggp.Network],
-            contact_space: str = "rcb", rates: cycles.Rates | None = None, settling: int = 1) -> list[Outcome]:
+            contact_space: str = "rcb", rates: cycles.Rates | None = None, settling: int = 1,
+            refine: int = 1) -> list[Outcome]:
     """One outcome per network. The virtual ranks are made once for all networks.
 
-    `settling`: plain cycles before what counts, so that ranks start as far apart as they are in a run.
+    `settling`: plain cycles before what counts, so that ranks start as far apart as they are in a run. `refine`: each
+    recorded element stands for so many along each edge.
     """
     rates = replace(rates or cycles.Rates(), node=recording.node_seconds)
     sizes = replace(cycles.Sizes(), element_record=recording.record_bytes)
+    recording, sizes, rates = refined(recording, sizes, rates, refine)
     both = [n for network in networks for n in (network, loggp.ideal(network))]
     sums = [_Sum(n_ranks) for _ in both]
-    owners, since_move, n_moves = None, 0, 0
+    owners, since_move, n_moves, space, copies = None, 0, 0, None, None
     for k, moment in enumerate(recording.moments):
         owners, moved, moves, since_move = _next_owners(recording, k, owners, n_ranks, partitions, policy, since_move)
         n_moves += moves
-        ranks = share_out(moment.mesh, owners, n_ranks)
+        ranks = share_out(moment.mesh, owners, n_ranks, None if moves else copies)
+        copies = copies_of(ranks, moment.mesh)
+        ranks.copies = refined_copies(ranks.copies, ranks.elements, moment.mesh.cells.shape[1], refine)
         if len(moment.contact.slaves):
-            share_out_contact(ranks, moment.mesh, moment.contact, contact_space)
+            share_out_contact(ranks, moment.mesh, moment.contact, contact_space, space)
+            thin_out(ranks, moment.contact)
+            space = ranks.space
+        settle, kinds = _programs(ranks, moment, moved, moves, sizes, rates, settling)
         for total, network in zip(sums, both):
-            _add_moment(total, network, ranks, moment, kinds_of_cycles(moment, moved, moves), sizes, rates, settling)
+            _add_moment(total, network, settle, kinds)
     n_cycles = sum(m.n_cycles for m in recording.moments)
     return [_outcome(partitions, policy, network, n_cycles, n_moves, real, without)
             for network, real, without in zip(networks, sums[::2], sums[1::2])]
@@ -179,7 +200,7 @@ def _outcome(partitions, policy, network, n_cycles: int, n_moves: int, real: _Su
     seconds = real.seconds / n_cycles
     return Outcome(real.n_ranks, partitions.name, policy.name, network.name, seconds, without.seconds / n_cycles,
                    {name: v / n_cycles for name, v in real.phases.items()}, useful, n_moves,
-                   pop.imbalance_by_cause(useful, seconds))
+                   pop.imbalance_by_cause(useful, seconds), real.traffic.over(n_cycles))
 
 
 def _next_owners(recording: Recording, k: int, before, n_ranks: int, partitions: Partitions, policy: Policy,
@@ -207,15 +228,23 @@ def _carry_over(earlier: Moment, moment: Moment, owners: np.ndarray) -> np.ndarr
     return owners[order][at]
 
 
-def _add_moment(total: _Sum, network: loggp.Network, ranks: VirtualRanks, moment: Moment, kinds, sizes, rates,
-                settling: int) -> None:
-    plain = kinds_of_cycles(replace(moment, n_searches=0.0, n_eroding=0.0), None, 0)[0][0]
-    for work, weight in kinds:
-        clock = loggp.Clock(network, ranks.n_ranks)
-        settle = Program(ranks.n_ranks)
-        for _ in range(settling):
-            cycles.add_cycle(settle, ranks, moment.mesh, plain, sizes, rates)
-        clock.run(settle)
+def _programs(ranks: VirtualRanks, moment: Moment, moved, n_moves: int, sizes, rates,
+              settling: int) -> tuple[Program, list[tuple[Program, float]]]:
+    """What settles the clocks, and a program of one cycle of each kind with the number of such cycles."""
+    settle, kinds = Program(ranks.n_ranks), []
+    for _ in range(settling):
+        cycles.add_cycle(settle, ranks, moment.mesh, plain_cycle(moment), sizes, rates)
+    for work, weight in kinds_of_cycles(moment, moved, n_moves):
         program = Program(ranks.n_ranks)
         cycles.add_cycle(program, ranks, moment.mesh, work, sizes, rates)
+        kinds.append((program, weight))
+    return settle, kinds
+
+
+def _add_moment(total: _Sum, network: loggp.Network, settle: Program, kinds: list[tuple[Program, float]]) -> None:
+    clock = loggp.Clock(network, settle.n_ranks)
+    clock.run(settle)
+    settled = clock.state()
+    for program, weight in kinds:
+        clock.set_state(settled)
         total.add(clock, weight, program)

@@ -75,8 +75,8 @@ def plot_phases(name: str, curve: list[dict], path: Path) -> None:
         share = np.array([row.get(phase, 0.0) / row["seconds_per_cycle"] for row in curve])
         axes.bar(places, share, bottom=below, color=colour, label=phase.removeprefix("seconds_").replace("_", " "))
         below += share
-    for place, row in zip(places, curve):
-        axes.text(place, 1.01, f"{1e3 * row['seconds_per_cycle']:.3g} ms", ha="center", fontsize=8)
+    for place, top, row in zip(places, below, curve):
+        axes.text(place, top + 0.01, f"{1e3 * row['seconds_per_cycle']:.3g} ms", ha="center", fontsize=8)
     axes.set_xticks(places, [str(row["ranks"]) for row in curve])
     axes.set_xlabel("ranks")
     style(axes, "share of the time of a cycle")

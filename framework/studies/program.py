@@ -44,13 +44,13 @@ def no_messages() -> Messages:
     return Messages([], [], [])
 
 
-def joined(first: Messages, first_bytes: int, second: Messages, second_bytes: int) -> Messages:
-    """One message where both have one, with all their bytes as its items."""
-    n_ranks = 1 + max((int(v.max()) for m in (first, second) for v in (m.source, m.destination) if len(v)), default=0)
-    keys = np.concatenate([m.source * n_ranks + m.destination for m in (first, second)])
-    n_bytes = np.concatenate([first.items * first_bytes, second.items * second_bytes])
+def joined(*lists: tuple[Messages, int], header: int = 0) -> Messages:
+    """One message where any list of messages, each with the bytes of its items, has one. Its items are all bytes."""
+    n_ranks = 1 + max((int(v.max()) for m, _ in lists for v in (m.source, m.destination) if len(v)), default=0)
+    keys = np.concatenate([m.source * n_ranks + m.destination for m, _ in lists])
+    n_bytes = np.concatenate([m.items * item_bytes for m, item_bytes in lists])
     different, place = np.unique(keys, return_inverse=True)
-    total = np.bincount(place, weights=n_bytes, minlength=len(different)).astype(np.int64)
+    total = np.bincount(place, weights=n_bytes, minlength=len(different)).astype(np.int64) + header
     return Messages(different // n_ranks, different % n_ranks, total)
 
 
@@ -120,6 +120,39 @@ class Program:
 
     def all_to_all_v(self, phase: str, messages: Messages, item_bytes: int) -> None:
         self.steps.append(AllToAllV(phase, messages, item_bytes))
+
+
+@dataclass
+class Traffic:
+    """What the ranks say in a program."""
+    messages: float = 0.0  # of all ranks
+    n_bytes: float = 0.0  # of all ranks, with what each hands to collective operations
+    collectives: float = 0.0  # of each rank; a sparse consensus has one
+
+    def add(self, other: Traffic, weight: float) -> None:
+        self.messages += weight * other.messages
+        self.n_bytes += weight * other.n_bytes
+        self.collectives += weight * other.collectives
+
+    def over(self, n: float) -> Traffic:
+        return Traffic(self.messages / n, self.n_bytes / n, self.collectives / n)
+
+
+def traffic_of(program: Program) -> Traffic:
+    """As the library kerf_message_counts counts: what the program hands to MPI, not what MPI makes of it."""
+    traffic = Traffic()
+    for step in program.steps:
+        if isinstance(step, Allreduce):
+            traffic.collectives += 1
+            traffic.n_bytes += step.n_bytes * program.n_ranks
+        elif isinstance(step, AllToAllV):
+            traffic.collectives += 2
+            traffic.n_bytes += 4 * program.n_ranks**2 + int(step.messages.items.sum()) * step.item_bytes
+        elif isinstance(step, Exchange | Consensus):
+            traffic.collectives += isinstance(step, Consensus)
+            traffic.messages += len(step.messages)
+            traffic.n_bytes += int(step.messages.items.sum()) * step.item_bytes
+    return traffic
 
 
 def recursive_doubling(n_ranks: int) -> list[Messages]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from virtual_ranks import ContactScene, Mesh, no_contact
 
-FORMAT = 1
+FORMAT = 2
 
 
 class RecordingError(Exception):
@@ -34,7 +34,12 @@ class Moment:
     erosion_seconds: np.ndarray | None = None  # for each element, of a cycle with erosion [s]
     rounds: float = 12.0  # of impacts in a cycle, the mean
     agreements: float = 0.0  # reductions of contact in a cycle besides the one of the step, the mean
-    n_searches: float = 0.0  # in all cycles together
+    n_loads: int = 0  # faces that loads act on
+    friction: float = 0.0  # share of the contact definitions that have it
+    n_searches: float = 0.0  # complete ones, in all cycles together
+    n_renewals: float = 0.0  # of all boxes
+    n_refreshes: float = 0.0  # of some boxes
+    renewed: float = 1.0  # share of slaves that have new boxes at a renewal
     n_eroding: float = 0.0  # cycles in which elements erode
     eroded: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # places of those in one of them
 
@@ -49,7 +54,9 @@ class Recording:
 
 
 MOMENT_ARRAYS = ("element", "element_seconds", "load_seconds", "erosion_seconds", "eroded")
-MOMENT_NUMBERS = ("cycle", "n_cycles", "time", "rounds", "agreements", "n_searches", "n_eroding")
+MOMENT_NUMBERS = ("cycle", "n_cycles", "time", "rounds", "agreements", "n_loads", "friction", "n_searches",
+                  "n_renewals", "n_refreshes", "renewed", "n_eroding")
+CONTACT_NUMBERS = ("slave_reach", "facet_reach")
 CONTACT_ARRAYS = ("slaves", "facets", "pair_slave", "pair_facet", "pair_touches", "search_seconds", "force_seconds")
 
 
@@ -66,11 +73,14 @@ def write_recording(path: Path, recording: Recording) -> None:
             for key in MOMENT_NUMBERS:
                 group.attrs[key] = getattr(moment, key)
             group["cells"], group["points"] = moment.mesh.cells, moment.mesh.points
+            group["node"] = moment.mesh.node_ids()
             for key in MOMENT_ARRAYS:
                 if getattr(moment, key) is not None:
                     group[key] = getattr(moment, key)
             for key in CONTACT_ARRAYS:
                 group[f"contact/{key}"] = getattr(moment.contact, key)
+            for key in CONTACT_NUMBERS:
+                group.attrs[key] = getattr(moment.contact, key)
 
 
 def read_recording(path: Path) -> Recording:
@@ -82,9 +92,12 @@ def read_recording(path: Path) -> Recording:
             if file.attrs.get("kerf_recording") != FORMAT:
                 raise RecordingError(f"{path}: error: the file is no recording of format {FORMAT}; expected one that a "
                                      "run with a recording of its work has written")
+            if len(file["moments"]) == 0:
+                raise RecordingError(f"{path}: error: there is no moment; expected at least one: the run has ended "
+                                     "before it has written its first")
             moments = [_read_moment(file[f"moments/{k}"]) for k in range(len(file["moments"]))]
             recording = Recording(moments, float(file.attrs["node_seconds"]), int(file.attrs["record_bytes"]),
-                                  str(file.attrs["source"]))
+                                  _text(file.attrs["source"]))
     except OSError as error:
         raise RecordingError(f"{path}: error: the file cannot be read: {error}; expected a recording in "
                              "HDF5") from error
@@ -94,12 +107,17 @@ def read_recording(path: Path) -> Recording:
     return recording
 
 
+def _text(value) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
 def _read_moment(group) -> Moment:
     arrays = {key: group[key][:] for key in MOMENT_ARRAYS if key in group}
     numbers = {key: group.attrs[key] for key in MOMENT_NUMBERS}
-    numbers = {key: int(v) if key in ("cycle", "n_cycles") else float(v) for key, v in numbers.items()}
-    contact = ContactScene(**{key: group[f"contact/{key}"][:] for key in CONTACT_ARRAYS})
-    return Moment(mesh=Mesh(group["cells"][:], group["points"][:]), contact=contact, **arrays, **numbers)
+    numbers = {key: int(v) if key in ("cycle", "n_cycles", "n_loads") else float(v) for key, v in numbers.items()}
+    contact = ContactScene(**{key: group[f"contact/{key}"][:] for key in CONTACT_ARRAYS},
+                           **{key: float(group.attrs[key]) for key in CONTACT_NUMBERS})
+    return Moment(mesh=Mesh(group["cells"][:], group["points"][:], group["node"][:]), contact=contact, **arrays, **numbers)
 
 
 def check(recording: Recording, name: str) -> None:
@@ -110,6 +128,8 @@ def check(recording: Recording, name: str) -> None:
     for k, m in enumerate(recording.moments):
         n, n_nodes = len(m.mesh.cells), len(m.mesh.points)
         c = m.contact
+        if len(m.mesh.node_ids()) != n_nodes:
+            errors.append(f"moment {k}: {len(m.mesh.node_ids())} ids of {n_nodes} nodes; expected one for each")
         for key in ("element", "element_seconds", "load_seconds", "erosion_seconds"):
             values = getattr(m, key)
             if values is not None and len(values) != n:

@@ -123,7 +123,7 @@ def test_a_file_that_is_no_recording_is_told(tmp_path):
         pass
     done = predict(tmp_path)
     assert done.returncode == 2
-    assert "recording.h5: error: the file is no recording of format 1; expected" in done.stderr
+    assert "recording.h5: error: the file is no recording of format 2; expected" in done.stderr
     assert predict(tmp_path / "nothing.h5").returncode == 2
     assert predict().returncode == 2
 

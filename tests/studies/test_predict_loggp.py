@@ -229,9 +229,9 @@ def test_the_phases_of_a_rank_add_up_to_its_time():
 
 
 def test_messages_that_travel_together_have_the_bytes_of_both():
-    both = joined(Messages([0, 1], [1, 2], [2, 3]), 10, Messages([1, 2], [2, 0], [4, 5]), 100)
+    both = joined((Messages([0, 1], [1, 2], [2, 3]), 10), (Messages([1, 2], [2, 0], [4, 5]), 100))
     assert list(zip(both.source, both.destination, both.items)) == [(0, 1, 20), (1, 2, 430), (2, 0, 500)]
-    assert len(joined(no_messages(), 1, no_messages(), 1)) == 0
+    assert len(joined((no_messages(), 1), (no_messages(), 1))) == 0
 
 
 def test_messages_to_oneself_and_twice_to_another_are_refused():

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from predict_scenes import block, two_blocks, uneven_seconds
 
-from cuts import Cuts
-from virtual_ranks import FACES, moved_elements, opened_facets, share_out, share_out_contact
+from cuts import Cuts, SpaceCuts
+from virtual_ranks import (BEHIND, FACES, Mesh, contact_space, copies_of, moved_elements, opened_by, share_out,
+                           share_out_contact, slave_work)
 
 
 def as_counter(messages):
@@ -69,14 +70,36 @@ def test_faces_between_ranks_are_those_of_a_loop(shared):
     assert as_counter(share_out(mesh, owners, n_ranks).interface_faces) == expected
 
 
+def surface_of(mesh):
+    """{corners: (corners, nodes behind, element)} of all faces that one element has alone."""
+    sides = defaultdict(list)
+    for element, cell in enumerate(mesh.cells):
+        for face, behind in zip(FACES[8], BEHIND):
+            sides[frozenset(map(int, cell[face]))].append((cell[face], cell[behind], element))
+    return {key: found[0] for key, found in sides.items() if len(found) == 1}
+
+
+def contact_surface(mesh, scene):
+    """The faces of the surface that contact knows: with slaves alone, or candidates."""
+    slaves, facets = set(scene.slaves.tolist()), {frozenset(map(int, f)) for f in scene.facets}
+    return {key: face for key, face in surface_of(mesh).items() if key <= slaves or key in facets}
+
+
 @pytest.mark.parametrize("space", ["rcb", "owners"])
 def test_contact_needs_the_nodes_of_its_pairs(shared, space):
     mesh, scene, owners, n_ranks = shared
     ranks = share_out(mesh, owners, n_ranks)
     share_out_contact(ranks, mesh, scene, space)
+    surface = contact_surface(mesh, scene)
+    round_node = defaultdict(set)
+    for key in surface:
+        for node in key:
+            round_node[node].add(key)
     needed = defaultdict(set)
     for slave, facet in zip(scene.pair_slave, scene.pair_facet):
-        needed[int(ranks.contact_rank[slave])] |= {int(scene.slaves[slave]), *map(int, scene.facets[facet])}
+        node = int(scene.slaves[slave])
+        for key in {frozenset(map(int, scene.facets[facet]))} | round_node[node]:
+            needed[int(ranks.contact_rank[slave])] |= {node, *map(int, surface[key][0]), *map(int, surface[key][1])}
     pull = Counter()
     for rank, nodes in needed.items():
         assert ranks.contact_nodes[rank] == len(nodes)
@@ -96,17 +119,71 @@ def test_contact_needs_the_nodes_of_its_pairs(shared, space):
         np.testing.assert_array_equal(ranks.contact_rank, ranks.owner_of_node[scene.slaves])
 
 
+def ranks_near(cuts, points, reach, n_ranks):
+    """The parts that the box round some points touches, found with many points in the box."""
+    low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
+    grid = np.stack(np.meshgrid(*(np.linspace(a, b, 9) for a, b in zip(low, high))), axis=-1).reshape(-1, 3)
+    return set(cuts.locate(grid).tolist())
+
+
+def test_records_go_where_boxes_reach(shared):
+    mesh, scene, owners, n_ranks = shared
+    scene.slave_reach, scene.facet_reach = 0.2, 0.3
+    ranks = share_out(mesh, owners, n_ranks)
+    share_out_contact(ranks, mesh, scene)
+    x, cuts = mesh.points, ranks.space.cuts
+    extent = max(x[scene.slaves].max(axis=0) - x[scene.slaves].min(axis=0))
+    assert ranks.space.reach == pytest.approx(0.3 + 0.3 + min(8 * 0.2, 0.05 * extent / n_ranks ** (1 / 3)))
+    facets, asked = Counter(), set(as_counter(ranks.contact_pull.back()))
+    for corners, behind, element in contact_surface(mesh, scene).values():
+        for rank in ranks_near(cuts, x[corners], ranks.space.reach, n_ranks):
+            facets[(int(owners[element]), rank)] += int(owners[element]) != rank
+            asked |= {(rank, int(ranks.owner_of_node[n])) for n in (*corners, *behind)}
+    asked |= set(zip(ranks.contact_rank.tolist(), ranks.owner_of_node[scene.slaves].tolist()))
+    assert as_counter(ranks.contact_facets) == +facets
+    assert set(as_counter(ranks.contact_asked)) == {(rank, owner) for rank, owner in asked if rank != owner}
+    assert ranks.contact_asked.items.sum() == ranks.contact_pull.items.sum()
+
+
 def test_what_eroding_elements_lay_bare_goes_to_contact_there():
     mesh, scene = two_blocks(6)
+    scene.facet_reach = 0.3
     owners = Cuts(mesh.centres(), np.ones(len(mesh.cells)), 8).part
     ranks = share_out(mesh, owners, 8)
     share_out_contact(ranks, mesh, scene)
     eroded = np.array([0, 17, 100])
-    expected = Counter()
-    for e in eroded:
-        for rank in set(ranks.cuts.locate(mesh.points[mesh.cells[e]]).tolist()) - {int(owners[e])}:
-            expected[(int(owners[e]), rank)] += 1
-    assert as_counter(opened_facets(ranks, mesh, eroded)) == expected
+    before, after = surface_of(mesh), surface_of(Mesh(np.delete(mesh.cells, eroded, axis=0), mesh.points))
+    left = np.delete(np.arange(len(mesh.cells)), eroded)
+    facets, nodes = Counter(), set()
+    for key in after.keys() - before.keys():
+        corners, _, element = after[key]
+        owner = int(owners[left[element]])
+        nodes |= key
+        for rank in ranks_near(ranks.space.cuts, mesh.points[corners], ranks.space.reach, 8):
+            facets[(owner, rank)] += owner != rank
+    opened = opened_by(ranks, mesh, scene, eroded)
+    assert as_counter(opened.facets) == +facets and len(+facets) > 0
+    slaves = Counter()
+    for node in nodes - set(scene.slaves.tolist()):
+        owner, rank = int(ranks.owner_of_node[node]), int(ranks.space.cuts.locate(mesh.points[[node]])[0])
+        slaves[(owner, rank)] += owner != rank
+    assert as_counter(opened.slaves) == +slaves
+    # All who know facets of an owner hear of its dead elements.
+    dead = Counter(owners[eroded].tolist())
+    assert as_counter(opened.dead) == {(s, d): dead[s] for s, d in as_counter(ranks.contact_facets) if dead[s]}
+
+
+def test_ranks_keep_copies_of_what_has_eroded_until_they_move():
+    mesh, _ = two_blocks(6)
+    owners = Cuts(mesh.centres(), np.ones(len(mesh.cells)), 8).part
+    before = share_out(mesh, owners, 8)
+    alive = (mesh.cells >= 20).all(axis=1) & (np.arange(len(mesh.cells)) >= 80)
+    later = Mesh(mesh.cells[alive] - 20, mesh.points[20:], np.arange(20, len(mesh.points)))
+    kept = share_out(later, owners[alive], 8, copies_of(before, mesh))
+    assert as_counter(kept.halo) == as_counter(before.halo)
+    np.testing.assert_array_equal(kept.owner_of_node, before.owner_of_node[20:])
+    moved = share_out(later, owners[alive], 8)
+    assert moved.halo.items.sum() < before.halo.items.sum()
 
 
 def test_elements_that_move_are_counted():
@@ -122,6 +199,38 @@ def test_cuts_share_out_the_weight(n_parts):
     # At each of at most seven levels half a point's weight may be on the wrong side.
     assert np.abs(work - weights.sum() / n_parts).max() <= 7 * 1.5
     np.testing.assert_array_equal(cuts.locate(points), cuts.part)
+
+
+@pytest.mark.parametrize("n_parts", [1, 2, 3, 7, 64])
+def test_cuts_of_space_never_part_points_of_one_place(n_parts):
+    """As partitioners/bisection.cpp; boxes find all parts that a point in them has."""
+    mesh = block(12, 10, 8)
+    points, weights = mesh.points, np.random.default_rng(3).uniform(0.5, 1.5, len(mesh.points))
+    cuts = SpaceCuts(points, weights, n_parts)
+    np.testing.assert_array_equal(cuts.locate(points), cuts.part)
+    axis, place, _ = cuts.levels[0] if cuts.levels else ([0], [np.inf], None)
+    if n_parts > 1:
+        below = points[:, axis[0]] <= place[0]
+        wanted = n_parts // 2 / n_parts * weights.sum()
+        layer = weights[points[:, axis[0]] == points[below, axis[0]].max()].sum()
+        assert axis[0] == 0 and abs(weights[below].sum() - wanted) <= 0.55 * layer
+    box, part = cuts.parts_of_boxes(points - 1.5, points + 1.5)
+    found = set(zip(box.tolist(), part.tolist()))
+    for k in range(0, len(points), 37):
+        assert {p for b, p in found if b == k} == ranks_near(cuts, points[[k]], 1.5, n_parts)
+
+
+def test_boxes_of_contact_are_kept_while_they_are_good():
+    mesh, scene = two_blocks(6)
+    first = contact_space(mesh, scene, 8, None)
+    work = np.bincount(first.cuts.part, minlength=8)
+    assert first.best == pytest.approx(work.max() / work.mean()), "nobody knows of candidates before the first search"
+    moved = Mesh(mesh.cells, mesh.points * [1.0, 1.0, 1.001])
+    kept = contact_space(moved, scene, 8, first)
+    uneven = np.bincount(first.cuts.locate(moved.points[scene.slaves]), weights=slave_work(scene), minlength=8)
+    assert (kept.cuts is first.cuts) == (uneven.max() / uneven.mean() <= 1.1 * first.best)
+    squashed = Mesh(mesh.cells, mesh.points * [0.01, 0.01, 0.01])
+    assert contact_space(squashed, scene, 8, first).cuts is not first.cuts
 
 
 def test_cuts_leave_parts_empty_where_there_are_fewer_points():
