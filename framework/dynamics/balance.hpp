@@ -91,7 +91,7 @@ class Balancer {
   void refuse_on_one_rank(Model& model) const;
   bool ask(const Model& model, const Step& step, double cycles_left, const RankWork& work);
   std::int64_t check_interval();
-  /// `lives` are shares of the run that elements are weighed with, or empty. Collective.
+  /// `lives` are shares of the run that elements are weighed with, or null. Collective.
   BalanceMove migrate_elements(Model& model, std::int64_t cycle, const std::vector<double>* lives = nullptr);
   RankWork work_of_all(Model& model) const;
   bool has_contact() const { return input_.has_contact_with_elements() && contacts_ != nullptr && !contacts_->empty(); }

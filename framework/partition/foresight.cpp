@@ -115,8 +115,8 @@ std::string text_of(const std::string& path) {
   return text;
 }
 
-/// When the coarse run has ended [s].
-double end_of_run(const std::string& folder, double wanted) {
+/// Throws where the coarse run has ended before this one will.
+void require_end(const std::string& folder, double wanted) {
   const std::string path = folder + "/summary.json";
   const nlohmann::json summary = nlohmann::json::parse(text_of(path), nullptr, false);
   if (!summary.is_object() || !summary.contains("end_time") || !summary["end_time"].is_number())
@@ -127,7 +127,6 @@ double end_of_run(const std::string& folder, double wanted) {
         {fmt::format("{}: error: the run ends at {:.6g} s, and time.end is {:.6g} s; expected a run that "
                      "is as long",
                      path, end, wanted)});
-  return end;
 }
 
 /// Share of the run that each element has lived.
@@ -142,7 +141,7 @@ std::vector<double> lives_of(const std::string& folder, std::int64_t n_elements,
     if (!(csv.second[k] >= 0.0 && csv.second[k] < static_cast<double>(n_elements)))
       throw InputError({fmt::format("{}:{}:1: error: there is no element {}; expected a number from 0 to {}", path,
                                     csv.line[k], csv.second[k], n_elements - 1)});
-    lives[static_cast<std::size_t>(csv.second[k])] = std::min(1.0, csv.first[k] / end);
+    lives[static_cast<std::size_t>(csv.second[k])] = std::min(1.0, csv.first[k] / end);  // later than the end: lives on
   }
   return lives;
 }
@@ -163,7 +162,8 @@ std::vector<CoarsePart> read_run(const Model& model, const std::string& folder) 
       file.refuse(fmt::format("`VTKHDF/Connectivity` names node {}; expected 0 to {}", node, n_nodes - 1));
   const auto part_of = file.rows<std::int32_t>("VTKHDF/CellData/part", 0, n, 1, H5T_NATIVE_INT32);
   const std::vector<std::string> names = file.texts("Kerf/part_names");
-  const std::vector<double> lives = lives_of(folder, n, end_of_run(folder, model.input->time.end));
+  require_end(folder, model.input->time.end);
+  const std::vector<double> lives = lives_of(folder, n, model.input->time.end);
   std::vector<CoarsePart> parts;
   for (const PartModel& part : model.parts) {
     const auto name = std::find(names.begin(), names.end(), part.input->name);
@@ -225,8 +225,9 @@ std::vector<double> expected_lives(const Model& model, const std::string& folder
   std::string failure;
   if (model.rank() == 0) try {
       parts = read_run(model, folder);
-    } catch (const InputError& e) {
+    } catch (const std::exception& e) {  // of any kind: the other ranks wait to be told
       failure = e.what();
+      if (failure.empty()) failure = folder + ": error: the run cannot be read";
     }
   if (failure = broadcast(model.comm, failure); !failure.empty())
     throw InputError({failure, fmt::format("{}: error: `foresee` names a folder that does not serve; expected that of "
