@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 from matplotlib.figure import Figure
-from study_tools import (ROOT, STUDIES, Case, equal_hashes, machine, median, partition, predict, run, save_small, scale,
-                         summary_of, table)
+from study_tools import (ROOT, STUDIES, Case, equal_hashes, machine, median, most_lost, partition, predict, run,
+                         save_small, scale, summary_of, table)
 
 INPUT = ROOT / "inputs" / "oblique_rod_full" / "oblique_rod_full.yaml"
 COARSE = ("parts.plate.mesh.cell_size=1.6 mm", "parts.rod.mesh.core_cells=2", "parts.rod.mesh.ring_cells=1",
@@ -143,7 +143,5 @@ def limits_table(predicted: dict[str, list[dict]]) -> str:
     for model, rows in predicted.items():
         for row in rows:
             if row["ranks"] == 6:
-                lost = sorted(((v, k) for k, v in row.items() if k.startswith("lost_") and v), reverse=True)[:3]
-                lines.append([model, row["network"], *(row[key] for key in LIMITS), "; ".join(
-                    f"{name.removeprefix('lost_').replace('_', ' ')} {100 * share:.1f} %" for share, name in lost)])
+                lines.append([model, row["network"], *(row[key] for key in LIMITS), most_lost(row, 3)])
     return table(["model", "network", *(key.replace("_", " ") for key in LIMITS), "uneven work costs at most"], lines)

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from classical import COARSE, SMALL
+from classical import COARSE, INPUT, METHODS, SMALL
 from matplotlib.figure import Figure
-from study_tools import (ROOT, Case, equal_hashes, median, partition, predict, rows_of, run, save_small, summary_of,
-                         table)
+from study_tools import (ROOT, Case, equal_hashes, median, most_lost, partition, predict, rows_of, run, save_small,
+                         summary_of, table)
 
 from cycle import Rates, Sizes  # isort: skip
 from pop import imbalance  # isort: skip
@@ -22,13 +22,10 @@ from refinement import refined  # isort: skip
 from virtual_ranks import contact_space, slave_work  # isort: skip
 
 INPUTS = ROOT / "inputs"
-OBLIQUE = INPUTS / "oblique_rod_full" / "oblique_rod_full.yaml"
 # For each model a coarse form, which is run on several ranks, and a fine one, whose recorded work is predicted.
-CASES = [(Case("oblique_rod", OBLIQUE, COARSE), Case("oblique_rod_fine", OBLIQUE))]
-QUICK_CASES = [(Case("small_rod", OBLIQUE, SMALL), Case("small_rod", OBLIQUE, SMALL))]
+CASES = [(Case("oblique_rod", INPUT, COARSE), Case("oblique_rod_fine", INPUT))]
+QUICK_CASES = [(Case("small_rod", INPUT, SMALL), Case("small_rod", INPUT, SMALL))]
 BAR = Case("taylor_bar", INPUTS / "taylor_bar" / "taylor_bar.yaml", ("time.maximum_cycles=20",))
-METHODS = ["block", "bisection", "zoltan_rcb", "zoltan_rib", "zoltan_hsfc", "zoltan_graph", "zoltan_hypergraph",
-           "zoltan_scotch"]
 POLICIES = {
     "`never`": ("balance.policy={type: never}",),
     "`threshold`, as it is": (),
@@ -170,14 +167,9 @@ def moves_table(policies: dict[int, dict[str, Path]], serial: dict) -> str:
 FACTORS = ("efficiency", "load_balance", "serialisation_efficiency", "transfer_efficiency", "computation_scaling")
 
 
-def most_lost(row: dict) -> str:
-    lost = sorted(((v, k) for k, v in row.items() if k.startswith("lost_") and v), reverse=True)[:2]
-    return "; ".join(f"{name.removeprefix('lost_').replace('_', ' ')} {100 * share:.1f} %" for share, name in lost)
-
-
 def predicted_table(rows: list[dict]) -> str:
     lines = [[row["policy"], int(row["ranks"]), float(row["speed_up"]), *(row[key] for key in FACTORS),
-              int(row["moves"]), most_lost(row)] for row in rows]
+              int(row["moves"]), most_lost(row, 2)] for row in rows]
     return table(["policy", "ranks", "speed-up", *(key.replace("_", " ") for key in FACTORS), "moves",
                   "uneven work costs at most"], lines)
 
@@ -193,7 +185,7 @@ def targets_table(recorded: Path, runs: Path, quick: bool) -> str:
             lines.append([name, refine, f"{elements * refine**3:.3g}", f"{elements * refine**3 / ranks:.0f}",
                           SPACES[space], f"{100 * row['efficiency']:.1f} %", f"{100 * wanted:.0f} %",
                           *(row[key] for key in FACTORS[1:]), row["imbalance_elements"], row["imbalance_contact"],
-                          most_lost(row)])
+                          most_lost(row, 2)])
     return table(["target", "K", "elements", "per rank", "contact's decomposition", "efficiency", "wanted",
                   *(key.replace("_", " ") for key in FACTORS[1:]), "imbalance of elements", "of contact",
                   "uneven work costs at most"], lines)

@@ -117,6 +117,12 @@ def equal_hashes(folders: dict[int, Path], reference: str | None = None) -> str:
     return first
 
 
+def most_lost(row: dict, n: int) -> str:
+    """The causes that cost most in a row of predict.csv, and their shares of the time."""
+    lost = sorted(((v, k) for k, v in row.items() if k.startswith("lost_") and v), reverse=True)[:n]
+    return "; ".join(f"{name.removeprefix('lost_').replace('_', ' ')} {100 * share:.1f} %" for share, name in lost)
+
+
 def table(head: list[str], rows: list[list]) -> str:
     """A table of Markdown; floats have three digits behind the point."""
     def word(value) -> str:

@@ -142,6 +142,12 @@ std::vector<PartitionMethod> methods_asked(const PartitionOptions& options, cons
     else
       try {
         m.type = make_partitioner(m, registry)->type;
+        const std::vector<std::string> taken = registry.names("partitioner");
+        if (m.name == "all" || (m.name != m.type && std::find(taken.begin(), taken.end(), m.name) != taken.end()))
+          errors.push_back(
+              fmt::format("--method {0}: error: {0} is the name of {1}, and the method is of the type {2}; expected a "
+                          "name of its own",
+                          m.name, m.name == "all" ? "all methods together" : "another partitioner", m.type));
       } catch (const InputError& e) {
         errors.insert(errors.end(), e.lines().begin(), e.lines().end());
       }

@@ -93,25 +93,6 @@ std::vector<T> gather_to_root(MPI_Comm comm, const std::vector<T>& local) {
   return all;
 }
 
-/// One rank's items on rank 0; nothing elsewhere. Concerns these two ranks only; others return at once.
-template <class T>
-std::vector<T> bring_to_root(MPI_Comm comm, int from, std::vector<T> items) {
-  const int here = rank_of(comm);
-  if (here == 0 && from == 0) return items;
-  if (here != 0 && here != from) return {};
-  const ItemType<T> item;
-  auto n = static_cast<std::int64_t>(items.size());
-  if (here == from) {
-    MPI_Send(&n, 1, MPI_INT64_T, 0, 0, comm);
-    MPI_Send(items.data(), static_cast<int>(n), item, 0, 0, comm);
-    return {};
-  }
-  MPI_Recv(&n, 1, MPI_INT64_T, from, 0, comm, MPI_STATUS_IGNORE);
-  items.resize(static_cast<std::size_t>(n));
-  MPI_Recv(items.data(), static_cast<int>(n), item, from, 0, comm, MPI_STATUS_IGNORE);
-  return items;
-}
-
 /// Rank 0's text on every rank. Collective.
 std::string broadcast(MPI_Comm comm, std::string text);
 

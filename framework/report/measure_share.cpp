@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "core/fixed_sum.hpp"
 #include "model/joining.hpp"
 #include "parallel/communicator.hpp"
 
@@ -100,25 +99,14 @@ MeasureModel measure_share(const Model& model) {
 }
 
 std::vector<double> MeasuringRanks::sums(const std::vector<std::span<const double>>& lists) {
-  meeting_.come_to(MeetingPoint::sums);
-  return order_free_sums(model_.comm, lists);
+  return meeting_.add_up(lists);
 }
 
 std::vector<double> MeasuringRanks::greatest(std::vector<double> values) {
-  meeting_.come_to(MeetingPoint::greatest);
-  for (double& v : values)
-    if (std::isnan(v)) v = -std::numeric_limits<double>::infinity();
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, model_.comm);
-  return values;
+  return meeting_.greatest_of(std::move(values));
 }
 
-std::vector<double> MeasuringRanks::least(std::vector<double> values) {
-  meeting_.come_to(MeetingPoint::least);
-  for (double& v : values)
-    if (std::isnan(v)) v = std::numeric_limits<double>::infinity();
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MIN, model_.comm);
-  return values;
-}
+std::vector<double> MeasuringRanks::least(std::vector<double> values) { return meeting_.least_of(std::move(values)); }
 
 /// Each key has a rank where its values meet. Collective.
 std::vector<std::int64_t> MeasuringRanks::combine(const std::vector<Key>& keys, const std::vector<std::int64_t>& values,

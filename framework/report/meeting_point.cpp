@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
 #include <utility>
 
+#include "core/fixed_sum.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -36,6 +39,27 @@ void MeetingPoint::leave() const {
   if (std::exchange(parted_, false)) return;
   int range[2] = {failed, 0};
   MPI_Allreduce(MPI_IN_PLACE, range, 2, MPI_INT, MPI_MIN, comm_);
+}
+
+std::vector<double> MeetingPoint::add_up(const std::vector<std::span<const double>>& lists) const {
+  come_to(sums);
+  return order_free_sums(comm_, lists);
+}
+
+std::vector<double> MeetingPoint::greatest_of(std::vector<double> values) const {
+  come_to(greatest);
+  for (double& v : values)
+    if (std::isnan(v)) v = -std::numeric_limits<double>::infinity();
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm_);
+  return values;
+}
+
+std::vector<double> MeetingPoint::least_of(std::vector<double> values) const {
+  come_to(least);
+  for (double& v : values)
+    if (std::isnan(v)) v = std::numeric_limits<double>::infinity();
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MIN, comm_);
+  return values;
 }
 
 std::string MeetingPoint::common(const std::string& failure) const { return first_text(comm_, failure); }

@@ -3,8 +3,10 @@
 
 #include <mpi.h>
 
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace kerf {
 
@@ -40,6 +42,11 @@ class MeetingPoint {
   /// Throws LeftBehind where a rank has failed, and std::runtime_error where ranks come to different places.
   /// Collective.
   void come_to(Place place) const;
+  /// Sums over all terms of all ranks, list by list; NaN where a term is not finite. Collective.
+  std::vector<double> add_up(const std::vector<std::span<const double>>& lists) const;
+  /// Greatest and least values of all ranks, entry by entry; NaN counts as nothing. Collective.
+  std::vector<double> greatest_of(std::vector<double> values) const;
+  std::vector<double> least_of(std::vector<double> values) const;
   /// Runs a piece of a plugin. Returns what went wrong on the lowest rank where anything did, on all ranks; empty
   /// where nothing did. Collective.
   template <class Work>

@@ -8,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "core/fixed_sum.hpp"
 #include "model/joining.hpp"
 #include "parallel/communicator.hpp"
 #include "report/field_values.hpp"
@@ -197,27 +196,14 @@ std::vector<double> SimulationView::mass_in(int part) {
 }
 
 std::vector<double> SimulationView::sums(const std::vector<std::span<const double>>& lists) {
-  meeting_.come_to(MeetingPoint::sums);
-  return order_free_sums(simulation_.model().comm, lists);
+  return meeting_.add_up(lists);
 }
 
 std::vector<double> SimulationView::greatest(std::vector<double> values) {
-  meeting_.come_to(MeetingPoint::greatest);
-  for (double& v : values)
-    if (std::isnan(v)) v = -std::numeric_limits<double>::infinity();
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX,
-                simulation_.model().comm);
-  return values;
+  return meeting_.greatest_of(std::move(values));
 }
 
-std::vector<double> SimulationView::least(std::vector<double> values) {
-  meeting_.come_to(MeetingPoint::least);
-  for (double& v : values)
-    if (std::isnan(v)) v = std::numeric_limits<double>::infinity();
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MIN,
-                simulation_.model().comm);
-  return values;
-}
+std::vector<double> SimulationView::least(std::vector<double> values) { return meeting_.least_of(std::move(values)); }
 
 std::pair<double, std::int64_t> SimulationView::nearest(double value, std::int64_t id) {
   meeting_.come_to(MeetingPoint::nearest);

@@ -117,7 +117,8 @@ def _read_moment(group) -> Moment:
     numbers = {key: int(v) if key in ("cycle", "n_cycles", "n_loads") else float(v) for key, v in numbers.items()}
     contact = ContactScene(**{key: group[f"contact/{key}"][:] for key in CONTACT_ARRAYS},
                            **{key: float(group.attrs[key]) for key in CONTACT_NUMBERS})
-    return Moment(mesh=Mesh(group["cells"][:], group["points"][:], group["node"][:]), contact=contact, **arrays, **numbers)
+    mesh = Mesh(group["cells"][:], group["points"][:], group["node"][:])
+    return Moment(mesh=mesh, contact=contact, **arrays, **numbers)
 
 
 def check(recording: Recording, name: str) -> None:

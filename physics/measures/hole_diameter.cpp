@@ -48,8 +48,9 @@ class HoleDiameter final : public Measure {
 
     BodySurface surface = surface_of(model, ranks, body);
     const Extent planes = undeformed_extent(ranks, number, n);
-    Face entry = undeformed("entry", ranks, number, n, planes.high, planes);
-    Face exit = undeformed("exit", ranks, number, -n, -planes.low, planes);
+    const double covered = hull_area(items_on_root(ranks, hull_of(ranks.undeformed_nodes(number), n)), n);
+    Face entry = undeformed("entry", ranks, number, n, planes.high, planes, covered);
+    Face exit = undeformed("exit", ranks, number, -n, -planes.low, planes, covered);
     if (!ranks.is_root()) return {};
     join_images(surface);
     std::vector<bool> on_face(surface.facets.size(), false);
@@ -112,18 +113,18 @@ class HoleDiameter final : public Measure {
   }
 
   /// The face at `height` before anything happened. A thousandth of the thickness is far below any layer of cells, and
-  /// above the error of a normal that is given to four digits. Collective.
-  Face undeformed(const std::string& name, MeasureRanks& ranks, int number, Vec3 outward, double height,
-                  Extent planes) const {
+  /// above the error of a normal that is given to four digits. `covered` is the area that the part covers, seen along
+  /// the normal [m2]. Collective.
+  Face undeformed(const std::string& name, MeasureRanks& ranks, int number, Vec3 outward, double height, Extent planes,
+                  double covered) const {
     Face face;
     face.name = name;
     face.outward = outward;
     face.height = height;
     face.tolerance = 1e-3 * (planes.high - planes.low);
     face.undeformed = undeformed_face(ranks, number, outward, height, face.tolerance);
-    const std::vector<Vec3> all = items_on_root(ranks, hull_of(ranks.undeformed_nodes(number), outward));
     // Whether the face is as large as the part is, seen from there. A wrong normal meets an edge, a corner or a strip.
-    if (!(hull_area(face.undeformed.reference, outward) > 0.9 * hull_area(all, outward)))
+    if (!(hull_area(face.undeformed.reference, outward) > 0.9 * covered))
       face.no_opening = face.obstacle =
           "part " + part + " has no flat " + name + " face that is perpendicular to `normal`; look at `normal`";
     return face;

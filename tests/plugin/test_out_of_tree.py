@@ -144,7 +144,8 @@ def test_a_plugin_of_another_interface_is_refused_with_every_difference(tmp_path
     source.write_text(f"#define FOREIGN \"{here + 1}\"\n" + """
 #include <kerf/plugin.hpp>
 extern "C" {
-extern const char kerf_plugin_manifest_text[] = "interface=" FOREIGN "\\nkerf=9.9\\nflags=-ffast-math\\nlane_width=4\\n";
+extern const char kerf_plugin_manifest_text[] =
+    "interface=" FOREIGN "\\nkerf=9.9\\nflags=-ffast-math\\nlane_width=4\\n";
 }
 extern "C" __attribute__((visibility("default"))) void kerf_plugin_register(kerf::Registrar&) { __builtin_trap(); }
 """)

@@ -84,6 +84,6 @@ def sample_recording(n=12, n_moments=2):
         alive[: n**3] = ~np.all(centres[: n**3] < n / 4.0 * k, axis=1)
         seconds = uneven_seconds(mesh, 7)[alive] * np.where(centres[alive, 1] < n / 2, 1.0 + k, 1.0)
         moments.append(Moment(100 * k, 100, Mesh(mesh.cells[alive], mesh.points), np.flatnonzero(alive), seconds,
-                              time=1.0e-6 * k, contact=scene, n_searches=1.0, n_renewals=4.0, n_eroding=3.0, eroded=np.arange(10),
-                              erosion_seconds=np.full(int(alive.sum()), 1.0e-9)))
+                              time=1.0e-6 * k, contact=scene, n_searches=1.0, n_renewals=4.0, n_eroding=3.0,
+                              eroded=np.arange(10), erosion_seconds=np.full(int(alive.sum()), 1.0e-9)))
     return Recording(moments, source="two blocks")

@@ -43,7 +43,8 @@ def test_efficiency_is_that_of_the_finer_mesh(n_ranks):
     def efficiency(recording, refine):
         return (outcome(recording, 1, refine).seconds / outcome(recording, n_ranks, refine).seconds) / n_ranks
 
-    # A rank of contact looks as far round a slave as in coarse cells, and coarse elements share out less evenly: never much better.
+    # A rank of contact looks as far round a slave as in coarse cells, and coarse elements share out less evenly: never
+    # much better.
     coarse, fine = efficiency(blocks(16, 16.0), 2), efficiency(blocks(32, 16.0), 1)
     assert fine - 0.08 < coarse < fine + 0.03
 

@@ -15,8 +15,8 @@
 namespace kerf {
 
 /// The elements and nodes of one rank. Ranks share the nodes between their elements: every copy has the same bits, and
-/// exactly one rank owns the node. Sums over the model take owned nodes only. A node that was dropped from the model has
-/// no mass; its position and velocity mean nothing.
+/// exactly one rank owns the node. Sums over the model take owned nodes only. A node that was dropped from the model
+/// has no mass; its position and velocity mean nothing.
 struct MeasureModel {
   std::vector<std::string> parts;
   struct Node {
