@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/assert.hpp"
 #include "core/diagnostics.hpp"
 #include "core/memory.hpp"
 #include "core/physics_error.hpp"
@@ -163,9 +164,11 @@ BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle, const s
   const RankWork before = RankWork::of_all(model, work);
   r.imbalance_before = before.imbalance(model.n_ranks());
   std::vector<double> weights = work;
-  // An element that dies at once still has to be somewhere.
-  if (lives != nullptr)
+  if (lives != nullptr) {
+    KERF_ASSERT(lives->size() == weights.size(), "each element has a life and a weight");
+    // An element that dies at once still has to be somewhere.
     for (std::size_t e = 0; e < weights.size(); ++e) weights[e] *= std::max((*lives)[e], least_life);
+  }
   const PartitionProblem problem = problem_of(model, *input_.partitioner, model.n_ranks(), std::move(weights));
   const std::vector<int> parts = find_parts(*input_.partitioner, problem);
   // From the work before the move: contact does not know its candidates again before the next search.
@@ -184,7 +187,9 @@ void Balancer::distribute(Model& model) {
   BalanceMove r = migrate_elements(model, 0, input_.foresee.empty() ? nullptr : &lives);
   r.first = true;
   records_.push_back(r);
-  decisions_.push_back({0, 0.0, r.imbalance_before, {}, BalanceDecision::first, r});
+  BalanceDecision d{0, 0.0, r.imbalance_before, {}, BalanceDecision::first, r};
+  if (!input_.foresee.empty()) d.reasons.reason = BalanceDecision::foreseen;
+  decisions_.push_back(std::move(d));
 }
 
 void Balancer::distribute_again(Model& model, std::int64_t cycle, double time) {

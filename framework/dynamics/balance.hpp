@@ -55,6 +55,7 @@ struct BalanceDecision {
 
   static constexpr const char *stay = "stay", *moved = "move", *forced = "forced", *first = "first",
                               *resumed = "resumed";
+  static constexpr const char* foreseen = "foreseen";  // reason of a first distribution
 };
 
 class Balancer {

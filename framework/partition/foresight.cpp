@@ -5,104 +5,27 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 
 #include "input/csv_table.hpp"
 #include "input/curve_table.hpp"
 #include "parallel/communicator.hpp"
+#include "partition/nearest_point.hpp"
 #include "partition/results_file.hpp"
 
 namespace kerf {
 
 namespace {
 
-constexpr double unbounded = std::numeric_limits<double>::max();
-
-struct Bounds {
-  std::array<double, 3> low{unbounded, unbounded, unbounded}, high{-unbounded, -unbounded, -unbounded};
-  void take(Vec3 x) {
-    for (int d = 0; d < 3; ++d) {
-      low[d] = std::min(low[d], x[d]);
-      high[d] = std::max(high[d], x[d]);
-    }
-  }
-};
+constexpr const char* any_run = "expected a file of results that Kerf has written";
 
 /// Elements of one part of the coarse run.
 struct CoarsePart {
   std::vector<double> centres;  // three per element [m]
   std::vector<double> lives;  // share of the run
-  Bounds bounds;  // of its nodes
-};
-
-/// Finds the nearest of some points: a grid of boxes with about one point each, searched ring by ring.
-class NearestPoint {
- public:
-  NearestPoint(const std::vector<double>& points, const Bounds& bounds) : points_(points), low_(bounds.low) {
-    const std::size_t n = points.size() / 3;
-    double longest = 0.0;
-    for (int d = 0; d < 3; ++d) longest = std::max(longest, bounds.high[d] - bounds.low[d]);
-    double volume = 1.0;
-    for (int d = 0; d < 3; ++d) volume *= std::max(bounds.high[d] - bounds.low[d], 1e-3 * longest);
-    edge_ = std::cbrt(volume / static_cast<double>(n));
-    for (int d = 0; d < 3; ++d) n_[d] = static_cast<int>((bounds.high[d] - bounds.low[d]) / edge_) + 1;
-    boxes_.resize(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2]);
-    for (std::size_t i = 0; i < n; ++i) boxes_[box_of(cell_of(point(i)))].push_back(i);
-  }
-
-  /// Of equally near ones the first.
-  std::size_t find(Vec3 x) const {
-    const std::array<int, 3> home = cell_of(x);
-    const int most = std::max({n_[0], n_[1], n_[2]});
-    std::size_t best = 0;
-    double least = unbounded;
-    for (int ring = 0; ring <= most; ++ring) {
-      // What is farther out than a ring is at least so far away, seen from inside of the grid.
-      const double clear = (ring - 1) * edge_;
-      if (least < unbounded && clear > 0.0 && clear * clear > least) break;
-      look_in_ring(home, ring, x, best, least);
-    }
-    return best;
-  }
-
- private:
-  Vec3 point(std::size_t i) const { return {points_[3 * i], points_[3 * i + 1], points_[3 * i + 2]}; }
-  std::array<int, 3> cell_of(Vec3 x) const {
-    std::array<int, 3> cell{};
-    for (int d = 0; d < 3; ++d)
-      cell[d] = static_cast<int>(std::clamp((x[d] - low_[d]) / edge_, 0.0, static_cast<double>(n_[d] - 1)));
-    return cell;
-  }
-  std::size_t box_of(const std::array<int, 3>& c) const {
-    return (static_cast<std::size_t>(c[2]) * n_[1] + c[1]) * n_[0] + c[0];
-  }
-  void look_in_ring(const std::array<int, 3>& home, int ring, Vec3 x, std::size_t& best, double& least) const {
-    std::array<int, 3> c{};
-    for (c[2] = std::max(home[2] - ring, 0); c[2] <= std::min(home[2] + ring, n_[2] - 1); ++c[2])
-      for (c[1] = std::max(home[1] - ring, 0); c[1] <= std::min(home[1] + ring, n_[1] - 1); ++c[1])
-        for (c[0] = std::max(home[0] - ring, 0); c[0] <= std::min(home[0] + ring, n_[0] - 1); ++c[0]) {
-          int distance = 0;
-          for (int d = 0; d < 3; ++d) distance = std::max(distance, std::abs(c[d] - home[d]));
-          if (distance != ring) continue;
-          for (const std::size_t i : boxes_[box_of(c)]) {
-            const Vec3 way = point(i) - x;
-            const double square = dot(way, way);
-            if (square < least || (square == least && i < best)) {
-              least = square;
-              best = i;
-            }
-          }
-        }
-  }
-
-  const std::vector<double>& points_;
-  std::array<double, 3> low_;
-  std::array<int, 3> n_{};
-  double edge_ = 1.0;
-  std::vector<std::vector<std::size_t>> boxes_;
+  PointBounds bounds;  // of its nodes
 };
 
 std::string text_of(const std::string& path) {
@@ -115,89 +38,149 @@ std::string text_of(const std::string& path) {
   return text;
 }
 
-/// Throws where the coarse run has ended before this one will.
-void require_end(const std::string& folder, double wanted) {
+/// The number of elements that have eroded in the coarse run. Throws where the run has not come to its end, or has
+/// ended before this one will.
+std::int64_t deaths_of_whole_run(const std::string& folder, double wanted) {
   const std::string path = folder + "/summary.json";
+  const auto refuse = [&](const std::string& sentence) { throw InputError({path + ": error: " + sentence}); };
   const nlohmann::json summary = nlohmann::json::parse(text_of(path), nullptr, false);
-  if (!summary.is_object() || !summary.contains("end_time") || !summary["end_time"].is_number())
-    throw InputError({path + ": error: there is no `end_time`; expected the summary of a run"});
-  const double end = summary["end_time"];
-  if (end < 0.999 * wanted)
-    throw InputError(
-        {fmt::format("{}: error: the run ends at {:.6g} s, and time.end is {:.6g} s; expected a run that "
-                     "is as long",
-                     path, end, wanted)});
+  const nlohmann::json::json_pointer exit("/exit"), end_time("/end_time"), deaths("/eroded/elements");
+  if (!summary.is_object() || !summary.contains(exit) || !summary[exit].is_string() || !summary.contains(end_time) ||
+      !summary[end_time].is_number() || !summary.contains(deaths) || !summary[deaths].is_number_integer())
+    refuse("`exit`, `end_time` or `eroded.elements` is missing; expected the summary of a run");
+  if (const std::string how = summary[exit]; how != "completed")
+    refuse(fmt::format("the run has not come to its end: {}; expected one that has completed", how));
+  if (const double end = summary[end_time]; !(end >= 0.999 * wanted))
+    refuse(
+        fmt::format("the run ends at {:.6g} s, and time.end is {:.6g} s; expected a run that is as long", end, wanted));
+  return summary[deaths];
 }
 
-/// Share of the run that each element has lived.
+/// Share of the run of `end` seconds that each element has lived, by its number.
 std::vector<double> lives_of(const std::string& folder, std::int64_t n_elements, double end) {
+  const std::int64_t n_deaths = deaths_of_whole_run(folder, end);
   std::vector<double> lives(static_cast<std::size_t>(n_elements), 1.0);
   const std::string path = folder + "/erosion.csv", text = text_of(path);
-  if (text.find('\n') + 1 >= text.size()) return lives;  // the heading alone: nothing has died
+  if (text.empty() || text.back() != '\n')
+    throw InputError({path + ": error: the last line does not end; expected the whole file of a run"});
   Diagnostics diagnostics;
-  const CsvColumns csv = read_csv_columns(text, path, {"time [s]", "element"}, diagnostics);
+  CsvColumns deaths;
+  // The heading alone, where nothing has died, is no table of numbers.
+  if (text.find('\n') + 1 < text.size()) deaths = read_csv_columns(text, path, {"time [s]", "element"}, diagnostics);
   diagnostics.throw_if_errors();
-  for (std::size_t k = 0; k < csv.first.size(); ++k) {
-    if (!(csv.second[k] >= 0.0 && csv.second[k] < static_cast<double>(n_elements)))
-      throw InputError({fmt::format("{}:{}:1: error: there is no element {}; expected a number from 0 to {}", path,
-                                    csv.line[k], csv.second[k], n_elements - 1)});
-    lives[static_cast<std::size_t>(csv.second[k])] = std::min(1.0, csv.first[k] / end);  // later than the end: lives on
+  std::vector<std::string> errors;
+  for (std::size_t k = 0; k < deaths.first.size(); ++k) {
+    const double time = deaths.first[k], element = deaths.second[k];
+    const std::string place = fmt::format("{}:{}:{}: error: ", path, deaths.line[k], deaths.column[k]);
+    if (!(time >= 0.0)) errors.push_back(place + fmt::format("the time is {}; expected one from 0 on", time));
+    if (!(element >= 0.0 && element < static_cast<double>(n_elements) && element == std::floor(element)))
+      errors.push_back(place +
+                       fmt::format("there is no element {}; expected a number from 0 to {}", element, n_elements - 1));
+    else
+      lives[static_cast<std::size_t>(element)] = std::min(1.0, time / end);  // later than the end: it lives on
   }
+  if (!errors.empty()) throw InputError(errors);
+  if (static_cast<std::int64_t>(deaths.first.size()) != n_deaths)
+    throw InputError(
+        {fmt::format("{}: error: {} elements have eroded, and by summary.json {} have; expected two files "
+                     "of one run",
+                     path, deaths.first.size(), n_deaths)});
   return lives;
+}
+
+/// The undeformed mesh of a run.
+struct CoarseMesh {
+  std::vector<double> points;  // three per node [m]
+  std::vector<std::int64_t> first, corners;  // nodes of element e: corners[first[e]] up to first[e + 1]
+  std::vector<std::int64_t> ids;  // by which erosion.csv names an element
+  std::vector<std::int32_t> part_of;
+  std::size_t n() const { return ids.size(); }
+};
+
+/// Elements are named by their numbers, each once.
+void require_numbers(const ResultsFile& file, const std::vector<std::int64_t>& ids) {
+  std::vector<bool> seen(ids.size(), false);
+  for (const std::int64_t id : ids) {
+    if (id < 0 || id >= static_cast<std::int64_t>(ids.size()) || seen[static_cast<std::size_t>(id)])
+      file.refuse(
+          fmt::format("`VTKHDF/CellData/GlobalElementId` names element {} twice or without need; expected each "
+                      "number from 0 to {} once",
+                      id, ids.size() - 1));
+    seen[static_cast<std::size_t>(id)] = true;
+  }
+}
+
+CoarseMesh read_mesh(const ResultsFile& file) {
+  const std::int64_t n_nodes = file.number("VTKHDF/NumberOfPoints", 0), n = file.number("VTKHDF/NumberOfCells", 0);
+  if (n_nodes < 1 || n < 1) file.refuse(fmt::format("there are {} elements; {}", n, any_run));
+  if (file.rows<double>("VTKHDF/Steps/Values", 0, 1, 1, H5T_NATIVE_DOUBLE).front() != 0.0)
+    file.refuse("the first frame is not of time 0; expected one of the undeformed model");
+  CoarseMesh mesh;
+  mesh.points = file.rows<double>("VTKHDF/Points", 0, n_nodes, 3, H5T_NATIVE_DOUBLE);
+  if (!std::all_of(mesh.points.begin(), mesh.points.end(), [](double x) { return std::isfinite(x); }))
+    file.refuse("`VTKHDF/Points` holds values that are no numbers; expected positions of nodes");
+  mesh.first = file.rows<std::int64_t>("VTKHDF/Offsets", 0, n + 1, 1, H5T_NATIVE_INT64);
+  for (std::size_t e = 0; e <= static_cast<std::size_t>(n); ++e)
+    if (e == 0 ? mesh.first[e] != 0 : mesh.first[e] <= mesh.first[e - 1])
+      file.refuse(fmt::format("`VTKHDF/Offsets` do not rise from 0; {}", any_run));
+  mesh.corners = file.rows<std::int64_t>("VTKHDF/Connectivity", 0, mesh.first.back(), 1, H5T_NATIVE_INT64);
+  for (const std::int64_t node : mesh.corners)
+    if (node < 0 || node >= n_nodes)
+      file.refuse(fmt::format("`VTKHDF/Connectivity` names node {}; expected 0 to {}", node, n_nodes - 1));
+  mesh.ids = file.rows<std::int64_t>("VTKHDF/CellData/GlobalElementId", 0, n, 1, H5T_NATIVE_INT64);
+  require_numbers(file, mesh.ids);
+  mesh.part_of = file.rows<std::int32_t>("VTKHDF/CellData/part", 0, n, 1, H5T_NATIVE_INT32);
+  return mesh;
+}
+
+CoarsePart part_of(const CoarseMesh& mesh, std::ptrdiff_t number, const std::vector<double>& lives) {
+  CoarsePart part;
+  for (std::size_t e = 0; e < mesh.n(); ++e) {
+    if (mesh.part_of[e] != number) continue;
+    Vec3 centre;
+    for (std::int64_t k = mesh.first[e]; k < mesh.first[e + 1]; ++k) {
+      const double* x = &mesh.points[3 * static_cast<std::size_t>(mesh.corners[static_cast<std::size_t>(k)])];
+      part.bounds.take({x[0], x[1], x[2]});
+      centre = centre + Vec3{x[0], x[1], x[2]};
+    }
+    centre = centre * (1.0 / static_cast<double>(mesh.first[e + 1] - mesh.first[e]));
+    part.centres.insert(part.centres.end(), {centre.x, centre.y, centre.z});
+    part.lives.push_back(lives[static_cast<std::size_t>(mesh.ids[e])]);
+  }
+  return part;
 }
 
 /// Reads the parts of the model, in its order. On one rank.
 std::vector<CoarsePart> read_run(const Model& model, const std::string& folder) {
   const ResultsFile file(folder);
-  const std::int64_t n_nodes = file.number("VTKHDF/NumberOfPoints", 0), n = file.number("VTKHDF/NumberOfCells", 0);
-  if (file.rows<double>("VTKHDF/Steps/Values", 0, 1, 1, H5T_NATIVE_DOUBLE).front() != 0.0)
-    file.refuse("the first frame is not of time 0; expected one of the undeformed model");
-  const auto points = file.rows<double>("VTKHDF/Points", 0, n_nodes, 3, H5T_NATIVE_DOUBLE);
-  const auto first = file.rows<std::int64_t>("VTKHDF/Offsets", 0, n + 1, 1, H5T_NATIVE_INT64);
-  if (first.front() != 0 || !std::is_sorted(first.begin(), first.end()))
-    file.refuse("`VTKHDF/Offsets` do not rise from 0; expected the results of a run");
-  const auto corners = file.rows<std::int64_t>("VTKHDF/Connectivity", 0, first.back(), 1, H5T_NATIVE_INT64);
-  for (const std::int64_t node : corners)
-    if (node < 0 || node >= n_nodes)
-      file.refuse(fmt::format("`VTKHDF/Connectivity` names node {}; expected 0 to {}", node, n_nodes - 1));
-  const auto part_of = file.rows<std::int32_t>("VTKHDF/CellData/part", 0, n, 1, H5T_NATIVE_INT32);
+  const CoarseMesh mesh = read_mesh(file);
   const std::vector<std::string> names = file.texts("Kerf/part_names");
-  require_end(folder, model.input->time.end);
-  const std::vector<double> lives = lives_of(folder, n, model.input->time.end);
+  const std::vector<double> lives = lives_of(folder, static_cast<std::int64_t>(mesh.n()), model.input->time.end);
   std::vector<CoarsePart> parts;
   for (const PartModel& part : model.parts) {
     const auto name = std::find(names.begin(), names.end(), part.input->name);
     if (name == names.end())
       file.refuse(fmt::format("the run has no part {}; expected a run of the same model", part.input->name));
-    CoarsePart coarse;
-    for (std::size_t e = 0; e < static_cast<std::size_t>(n); ++e) {
-      if (part_of[e] != name - names.begin()) continue;
-      Vec3 centre;
-      for (std::int64_t k = first[e]; k < first[e + 1]; ++k) {
-        const double* x = &points[3 * static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
-        coarse.bounds.take({x[0], x[1], x[2]});
-        centre = centre + Vec3{x[0], x[1], x[2]};
-      }
-      centre = centre * (1.0 / static_cast<double>(first[e + 1] - first[e]));
-      coarse.centres.insert(coarse.centres.end(), {centre.x, centre.y, centre.z});
-      coarse.lives.push_back(lives[e]);
-    }
-    if (coarse.lives.empty()) file.refuse(fmt::format("part {} has no element there", part.input->name));
-    parts.push_back(std::move(coarse));
+    parts.push_back(part_of(mesh, name - names.begin(), lives));
+    if (parts.back().lives.empty() || !(parts.back().bounds.longest_edge() > 0.0))
+      file.refuse(fmt::format("part {} has no element there; expected a run of the same model", part.input->name));
   }
   return parts;
 }
 
+/// Rank 0's values, on all ranks. A message has less values than an int counts.
 void share(MPI_Comm comm, std::vector<double>& values) {
+  constexpr std::int64_t most = std::int64_t{1} << 27;
   auto n = static_cast<std::int64_t>(values.size());
   MPI_Bcast(&n, 1, MPI_INT64_T, 0, comm);
   values.resize(static_cast<std::size_t>(n));
-  MPI_Bcast(values.data(), static_cast<int>(n), MPI_DOUBLE, 0, comm);
+  for (std::int64_t at = 0; at < n; at += most)
+    MPI_Bcast(values.data() + at, static_cast<int>(std::min(most, n - at)), MPI_DOUBLE, 0, comm);
 }
 
 /// A sentence where a part stands elsewhere, or is larger or smaller, by more than two cells of the coarse run.
 std::string misfit(const Model& model, std::size_t p, const CoarsePart& coarse) {
-  Bounds mine;
+  PointBounds mine;
   const PartStore& store = *model.parts[p].store;
   for (int s = 0; s < store.n_slots(); ++s)
     if (store.live(s))
@@ -227,7 +210,9 @@ std::vector<double> expected_lives(const Model& model, const std::string& folder
       parts = read_run(model, folder);
     } catch (const std::exception& e) {  // of any kind: the other ranks wait to be told
       failure = e.what();
-      if (failure.empty()) failure = folder + ": error: the run cannot be read";
+      if (failure.find(": error: ") == std::string::npos)
+        failure = fmt::format("{}: error: the run cannot be read: {}; expected that of a run that has completed",
+                              folder, failure);
     }
   if (failure = broadcast(model.comm, failure); !failure.empty())
     throw InputError({failure, fmt::format("{}: error: `foresee` names a folder that does not serve; expected that of "

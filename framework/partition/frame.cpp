@@ -26,8 +26,10 @@ Frame read_frame(const Model& model, const std::string& folder, std::int64_t fra
   const std::int64_t n_nodes = file.number("VTKHDF/NumberOfPoints", 0);
   const std::int64_t n_elements = file.number("VTKHDF/NumberOfCells", 0);
   if (n_nodes != model.n_nodes || n_elements != model.n_elements)
-    file.refuse(fmt::format("the results are of a model of {} elements and {} nodes, and the input has {} and {}",
-                            n_elements, n_nodes, model.n_elements, model.n_nodes));
+    file.refuse(
+        fmt::format("the results are of a model of {} elements and {} nodes, and the input has {} and {}; "
+                    "expected results of this input",
+                    n_elements, n_nodes, model.n_elements, model.n_nodes));
   Frame f;
   f.time = file.rows<double>("VTKHDF/Steps/Values", frame, 1, 1, H5T_NATIVE_DOUBLE).front();
   f.positions = file.rows<double>("VTKHDF/Points", file.number("VTKHDF/Steps/PointOffsets", frame), n_nodes, 3,
@@ -42,7 +44,7 @@ Frame read_frame(const Model& model, const std::string& folder, std::int64_t fra
 std::int64_t frames_of(const std::string& folder) {
   const ResultsFile file(folder);
   const std::int64_t n = file.n_frames();
-  if (n == 0) file.refuse("it holds no frame");
+  if (n == 0) file.refuse("it holds no frame; expected at least one");
   return n;
 }
 
