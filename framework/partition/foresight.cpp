@@ -102,10 +102,10 @@ void require_numbers(const ResultsFile& file, const std::vector<std::int64_t>& i
   std::vector<bool> seen(ids.size(), false);
   for (const std::int64_t id : ids) {
     if (id < 0 || id >= static_cast<std::int64_t>(ids.size()) || seen[static_cast<std::size_t>(id)])
-      file.refuse(
-          fmt::format("`VTKHDF/CellData/GlobalElementId` names element {} twice or without need; expected each "
-                      "number from 0 to {} once",
-                      id, ids.size() - 1));
+      file.refuse(fmt::format(
+          "`VTKHDF/CellData/GlobalElementId` names element {} twice, or there is no element {}; expected each number "
+          "from 0 to {} once",
+          id, id, ids.size() - 1));
     seen[static_cast<std::size_t>(id)] = true;
   }
 }
