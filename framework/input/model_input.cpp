@@ -181,7 +181,7 @@ void BalanceInput::describe(Schema<BalanceInput>& s) {
   s.text(
        &BalanceInput::foresee, "foresee",
        "folder of an earlier, coarser run of the same model, named relative to the input file: the first distribution "
-       "weighs elements by the share of the run that they are expected to live")
+       "weighs elements with how long they are expected to live, as far as that makes the run shorter")
       .optional();
   s.boolean(&BalanceInput::enabled, "enabled", "whether the policy is asked at all").by_default("true");
   s.integer(&BalanceInput::force_interval, "force_interval", non_negative,

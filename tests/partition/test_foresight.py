@@ -105,7 +105,8 @@ def with_lives(place, folder, deaths):
 
 @pytest.mark.parametrize(("life", "elements"), [
     (1.0, 192),  # the same on both sides
-    (0.5, 240),  # 192 that count half and 48 whole ones against 144
+    (0.75, 192),  # with more elements below, the first three quarters of the run would take longer than is won after
+    (0.25, 264),  # 192 that count a quarter and 72 whole ones against 120
     (0.0, 287),  # 192 that die at once and count one hundredth, and 95 whole ones, against 97
 ])
 def test_known_lives_give_the_shares_that_follow_from_them(binary, place, tmp_path, life, elements):
@@ -204,7 +205,8 @@ def foreign(folder):
 
 
 DAMAGE = {
-    "missing folder": (shutil.rmtree, "results.vtkhdf: error: there are no results of a run that can be read; expected"),
+    "missing folder": (shutil.rmtree,
+                       "results.vtkhdf: error: there are no results of a run that can be read; expected"),
     "no results": (lambda f: (f / "results.vtkhdf").unlink(),
                    "results.vtkhdf: error: there are no results of a run that can be read; expected"),
     "foreign file": (foreign, "results.vtkhdf: error: `VTKHDF/NumberOfPoints` is missing; expected a file of results"),
@@ -251,8 +253,8 @@ DAMAGE = {
                     "erosion.csv: error: the last line does not end; expected the whole file"),
     "other element": (lambda f: edit_erosion(f, other_element),
                       ": error: there is no element 48; expected a number from 0 to 47"),
-    "other columns": (lambda f: edit_erosion(f, lambda lines: ["a,b\n", *lines[1:]]), "erosion.csv:1:1: error: there is "
-                      'no column "time [s]"'),
+    "other columns": (lambda f: edit_erosion(f, lambda lines: ["a,b\n", *lines[1:]]),
+                      'erosion.csv:1:1: error: there is no column "time [s]"'),
 }
 
 
