@@ -55,13 +55,13 @@ std::vector<double> cloud(int n, Vec3 size, double power) {
 
 }  // namespace
 
-TEST(NearestPoint, AmongPointsEverywhere) { expect_nearest(cloud(1000, {1, 1, 1}, 1), {1, 1, 1}); }
-TEST(NearestPoint, InALongThinCloud) { expect_nearest(cloud(1000, {0.01, 0.02, 5}, 1), {0.01, 0.02, 5}); }
-TEST(NearestPoint, WherePointsAreCrowded) { expect_nearest(cloud(2000, {1, 1, 0.3}, 4), {1, 1, 0.3}); }
-TEST(NearestPoint, InAPlane) { expect_nearest(cloud(500, {1, 2, 0}, 1), {1, 2, 1}); }
-TEST(NearestPoint, OfTwo) { expect_nearest({0, 0, 0, 1, 0, 0}, {1, 1, 1}); }
+TEST(NearestPoint, among_points_everywhere) { expect_nearest(cloud(1000, {1, 1, 1}, 1), {1, 1, 1}); }
+TEST(NearestPoint, in_a_long_thin_cloud) { expect_nearest(cloud(1000, {0.01, 0.02, 5}, 1), {0.01, 0.02, 5}); }
+TEST(NearestPoint, where_points_are_crowded) { expect_nearest(cloud(2000, {1, 1, 0.3}, 4), {1, 1, 0.3}); }
+TEST(NearestPoint, in_a_plane) { expect_nearest(cloud(500, {1, 2, 0}, 1), {1, 2, 1}); }
+TEST(NearestPoint, of_two) { expect_nearest({0, 0, 0, 1, 0, 0}, {1, 1, 1}); }
 
-TEST(NearestPoint, OfEquallyNearPointsTheFirst) {
+TEST(NearestPoint, of_equally_near_points_the_first) {
   const std::vector<double> points{1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, -1, 0, 0};
   PointBounds bounds;
   for (std::size_t i = 0; i < points.size(); i += 3) bounds.take({points[i], points[i + 1], points[i + 2]});
