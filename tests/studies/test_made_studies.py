@@ -21,7 +21,7 @@ def tables_of(text):
 def test_a_small_study_fills_its_page(study, tmp_path):
     before = (MADE / PAGES[study]).read_text()
     done = subprocess.run([sys.executable, "-B", str(MADE / "make_studies.py"), study, "--quick", "--output",
-                           str(tmp_path)], capture_output=True, text=True, check=False, timeout=300,
+                           str(tmp_path)], capture_output=True, text=True, check=False, timeout=600,
                           env={**os.environ, "KERF_BINARY": str(KERF)})
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "pages" / PAGES[study]).read_text()
