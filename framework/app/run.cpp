@@ -51,6 +51,18 @@ void require_restart_file(MPI_Comm comm, const std::string& folder) {
                    newest)});
 }
 
+/// A run that wrote over the run that it foresees from would take it away. Rank 0 looks. Collective.
+void refuse_to_overwrite_foresight(MPI_Comm comm, const BalanceInput& balance, const std::string& folder) {
+  if (balance.foresee.empty()) return;
+  std::error_code unknown;
+  const bool same = rank_of(comm) == 0 && std::filesystem::equivalent(balance.foresee, folder, unknown);
+  if (greatest(comm, std::int64_t{same ? 1 : 0}) == 0) return;
+  throw InputError(
+      {fmt::format("{}: error: `foresee` names the folder that this run writes into, {}; expected that of "
+                   "an earlier run, and another one for --output",
+                   balance.foresee_origin, folder)});
+}
+
 /// A closed standard stream would give its number to the next file that is opened, and what is printed would end in
 /// that file. Writing to a full pipe, or beyond a limit of file sizes, is a failure to report and no reason to die.
 void secure_streams() {
@@ -100,6 +112,7 @@ int run(MPI_Comm comm, const RunOptions& options, Registry& registry) {
   settings.input_name = options.input;
   settings.resume = options.resume;
   if (options.resume) require_restart_file(comm, settings.folder);
+  refuse_to_overwrite_foresight(comm, input->balance, settings.folder);
   Simulation simulation(comm, *input);
   if (rank_of(comm) == 0) print_warnings(simulation.warnings());
   make_result_folder(comm, settings.folder);
