@@ -1,4 +1,4 @@
-// Recursive coordinate bisection by histograms: two reductions for each doubling of the number of parts, whatever the
+// Recursive coordinate bisection by histograms: three reductions for each doubling of the number of parts, whatever the
 // number of points. Contact uses it by default, because its boxes of space are made anew often.
 //
 // M.J. Berger & S.H. Bokhari, "A partitioning strategy for nonuniform problems on multiprocessors", IEEE Trans.
@@ -17,7 +17,7 @@ namespace {
 
 /// A region of space that is cut in two, or the region of one part.
 struct Region {
-  std::array<double, 3> low, high;  // [m]
+  std::array<double, 3> low{}, high{};  // of the box round its points [m]
   int first = 0, n_parts = 1;
   int axis = -1;  // -1 for the region of one part
   double cut = 0.0;  // what is above belongs to `upper` [m]
@@ -46,15 +46,29 @@ class Cuts {
 
  private:
   using Sums = std::vector<std::int64_t>;
-  /// The interval of a region's axis that its cut is in.
+  /// The interval of one axis that a region's cut across that axis is in.
   struct Window {
+    std::int32_t region;
+    int axis;
     double low, high;  // [m]
     std::int64_t below = 0, inside = 0, total = 0;  // weight of the region below the window, in it, and in all
+
+    double target(const Region& r) const { return r.share() * static_cast<double>(total); }
+    /// Whether the cut is below what is in the window, which is nearer to the share than above it.
+    bool is_below(const Region& r) const {
+      return target(r) - static_cast<double>(below) < 0.5 * static_cast<double>(inside);
+    }
+    /// Weight on the wrong side of the cut.
+    double error(const Region& r) const {
+      return std::fabs(static_cast<double>(is_below(r) ? below : below + inside) - target(r));
+    }
   };
   void add_parts(std::size_t region, Vec3 low, Vec3 high, std::vector<int>& parts) const;
-  double begin(MPI_Comm comm, int n_parts);
+  double greatest_weight(MPI_Comm comm) const;
+  void enclose(MPI_Comm comm, const std::vector<std::int32_t>& open);
   void cut_level(MPI_Comm comm, std::vector<std::int32_t>& open);
-  void narrow(MPI_Comm comm, const std::vector<std::int32_t>& open, std::vector<Window>& windows);
+  void narrow(MPI_Comm comm, std::vector<Window>& windows);
+  static const Window& best_of(const Region& region, const Window* of_axes);
   static double cut_of(const Region& region, const Window& w);
   std::int32_t add_child(const Region& parent, bool upper);
 
@@ -65,66 +79,71 @@ class Cuts {
   double per_weight_ = 1.0;  // units of weight; 0 where no point has any
 };
 
-/// The first region, which has all points; returns the greatest weight. Collective.
-double Cuts::begin(MPI_Comm comm, int n_parts) {
+double Cuts::greatest_weight(MPI_Comm comm) const {
+  double most = 0.0;
+  for (const double weight : weights_) most = max_of(most, weight);
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
+  return most;
+}
+
+/// Sets the boxes of open regions to those round their points: a flat surface is cut within its plane, however thick
+/// the region is. Collective.
+void Cuts::enclose(MPI_Comm comm, const std::vector<std::int32_t>& open) {
   constexpr double far = std::numeric_limits<double>::max();
-  std::array<double, 7> most{-far, -far, -far, -far, -far, -far, 0.0};  // of -x and x, and of weights
+  std::vector<std::int32_t> place(regions_.size(), -1);
+  for (std::size_t k = 0; k < open.size(); ++k) place[open[k]] = static_cast<std::int32_t>(k);
+  std::vector<double> most(6 * open.size(), -far);  // of -x and x
   for (std::size_t i = 0; i < weights_.size(); ++i) {
+    if (place[region_of_[i]] < 0) continue;
+    double* row = &most[6 * static_cast<std::size_t>(place[region_of_[i]])];
     for (std::size_t d = 0; d < 3; ++d) {
-      most[d] = max_of(most[d], -coordinates_[3 * i + d]);
-      most[3 + d] = max_of(most[3 + d], coordinates_[3 * i + d]);
+      row[d] = max_of(row[d], -coordinates_[3 * i + d]);
+      row[3 + d] = max_of(row[3 + d], coordinates_[3 * i + d]);
     }
-    most[6] = max_of(most[6], weights_[i]);
   }
-  MPI_Allreduce(MPI_IN_PLACE, most.data(), 7, MPI_DOUBLE, MPI_MAX, comm);
-  Region all;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const bool empty = most[d] == -far;
-    all.low[d] = empty ? 0.0 : -most[d];
-    all.high[d] = empty ? 0.0 : most[3 + d];
-  }
-  all.n_parts = n_parts;
-  regions_.assign(1, all);
-  return most[6];
+  MPI_Allreduce(MPI_IN_PLACE, most.data(), static_cast<int>(most.size()), MPI_DOUBLE, MPI_MAX, comm);
+  for (std::size_t k = 0; k < open.size(); ++k)
+    for (std::size_t d = 0; d < 3; ++d) {
+      const bool empty = most[6 * k + d] == -far;
+      regions_[open[k]].low[d] = empty ? 0.0 : -most[6 * k + d];
+      regions_[open[k]].high[d] = empty ? 0.0 : most[6 * k + 3 + d];
+    }
 }
 
 std::int32_t Cuts::add_child(const Region& parent, bool upper) {
-  Region child = parent;
-  child.axis = -1;
+  Region child;
   child.n_parts = upper ? parent.n_parts - parent.n_lower() : parent.n_lower();
-  if (upper) {
-    child.first += parent.n_lower();
-    child.low[static_cast<std::size_t>(parent.axis)] = parent.cut;
-  } else {
-    child.high[static_cast<std::size_t>(parent.axis)] = parent.cut;
-  }
+  child.first = parent.first + (upper ? parent.n_lower() : 0);
   regions_.push_back(child);
   return static_cast<std::int32_t>(regions_.size()) - 1;
 }
 
-/// Narrows the window of every open region down to the bin of a histogram in which its share of the weight is reached.
-void Cuts::narrow(MPI_Comm comm, const std::vector<std::int32_t>& open, std::vector<Window>& windows) {
-  constexpr std::size_t most_bins = 256, least_bins = 32, most_sums = 1u << 17;
-  const std::size_t n_bins = std::clamp(most_sums / open.size(), least_bins, most_bins), row = n_bins + 1;
-  std::vector<std::int32_t> place(regions_.size(), -1);
-  for (std::size_t k = 0; k < open.size(); ++k) place[open[k]] = static_cast<std::int32_t>(k);
-  Sums sums(row * open.size(), 0);  // the last of a row is the weight of all points of the region
+/// Narrows every window down to the bin of a histogram in which its region's share of the weight is reached. There are
+/// three windows for each region, one after the other.
+void Cuts::narrow(MPI_Comm comm, std::vector<Window>& windows) {
+  constexpr std::size_t most_bins = 256, least_bins = 32, most_sums = 1u << 18;
+  const std::size_t n_bins = std::clamp(most_sums / windows.size(), least_bins, most_bins), row = n_bins + 1;
+  std::vector<std::int32_t> first(regions_.size(), -1);
+  for (std::size_t k = 0; k < windows.size(); k += 3) first[windows[k].region] = static_cast<std::int32_t>(k);
+  Sums sums(row * windows.size(), 0);  // the last of a row is the weight of all points of the region
   for (std::size_t i = 0; i < weights_.size(); ++i) {
-    const std::int32_t k = place[region_of_[i]];
-    if (k < 0) continue;
-    const Window& w = windows[k];
-    const double x = coordinates_[3 * i + static_cast<std::size_t>(regions_[open[k]].axis)];
+    if (first[region_of_[i]] < 0) continue;
     const std::int64_t weight = per_weight_ > 0.0 ? std::llrint(weights_[i] * per_weight_) : 1;  // or all are zero
-    sums[row * k + n_bins] += weight;
-    if (!(x >= w.low && x <= w.high)) continue;
-    const double at = w.high > w.low ? (x - w.low) / (w.high - w.low) * static_cast<double>(n_bins) : 0.0;
-    sums[row * k + std::min(static_cast<std::size_t>(at), n_bins - 1)] += weight;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const std::size_t k = static_cast<std::size_t>(first[region_of_[i]]) + d;
+      const Window& w = windows[k];
+      const double x = coordinates_[3 * i + d];
+      sums[row * k + n_bins] += weight;
+      if (!(x >= w.low && x <= w.high)) continue;
+      const double at = w.high > w.low ? (x - w.low) / (w.high - w.low) * static_cast<double>(n_bins) : 0.0;
+      sums[row * k + std::min(static_cast<std::size_t>(at), n_bins - 1)] += weight;
+    }
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_INT64_T, MPI_SUM, comm);
-  for (std::size_t k = 0; k < open.size(); ++k) {
+  for (std::size_t k = 0; k < windows.size(); ++k) {
     Window& w = windows[k];
     w.total = sums[row * k + n_bins];
-    const double target = regions_[open[k]].share() * static_cast<double>(w.total), edge = w.high - w.low;
+    const double target = w.target(regions_[w.region]), edge = w.high - w.low;
     std::size_t bin = 0;
     while (bin + 1 < n_bins && static_cast<double>(w.below + sums[row * k + bin]) < target)
       w.below += sums[row * k + bin++];
@@ -135,28 +154,38 @@ void Cuts::narrow(MPI_Comm comm, const std::vector<std::int32_t>& open, std::vec
   }
 }
 
+/// Of the cuts across the three axes, the one across the longest edge that leaves little on the wrong side; where all
+/// leave much, the one that leaves least. Many points in one plane cannot be parted across the plane.
+const Cuts::Window& Cuts::best_of(const Region& region, const Window* of_axes) {
+  const double little = std::max(0.1 / region.n_parts, 0.01);  // of the weight of the region
+  const auto edge = [&](const Window& w) { return region.high[w.axis] - region.low[w.axis]; };
+  const Window *longest = nullptr, *fairest = of_axes;
+  for (const Window* w = of_axes; w != of_axes + 3; ++w) {
+    if (w->error(region) < fairest->error(region)) fairest = w;
+    if (w->error(region) > little * static_cast<double>(w->total)) continue;
+    if (longest == nullptr || edge(*w) > edge(*longest)) longest = w;
+  }
+  return longest ? *longest : *fairest;
+}
+
 /// Above or below what is in the window, whichever is nearer to the share; in the middle of a region without points.
 double Cuts::cut_of(const Region& region, const Window& w) {
-  if (w.total == 0) return std::midpoint(region.low[region.axis], region.high[region.axis]);
-  const double left = region.share() * static_cast<double>(w.total) - static_cast<double>(w.below);
-  return left < 0.5 * static_cast<double>(w.inside) ? std::nextafter(w.low, region.low[region.axis]) : w.high;
+  if (w.total == 0) return std::midpoint(region.low[w.axis], region.high[w.axis]);
+  return w.is_below(region) ? std::nextafter(w.low, -std::numeric_limits<double>::infinity()) : w.high;
 }
 
 /// Cuts all open regions, whose children take their place. Collective.
 void Cuts::cut_level(MPI_Comm comm, std::vector<std::int32_t>& open) {
+  enclose(comm, open);
   std::vector<Window> windows;
-  for (const std::int32_t r : open) {
-    Region& region = regions_[r];
-    region.axis = 0;
-    for (int d = 1; d < 3; ++d)
-      if (region.high[d] - region.low[d] > region.high[region.axis] - region.low[region.axis]) region.axis = d;
-    windows.push_back({region.low[region.axis], region.high[region.axis]});
-  }
-  for (int k = 0; k < 2; ++k) narrow(comm, open, windows);
+  for (const std::int32_t r : open)
+    for (int d = 0; d < 3; ++d) windows.push_back({r, d, regions_[r].low[d], regions_[r].high[d]});
+  for (int k = 0; k < 2; ++k) narrow(comm, windows);
   std::vector<std::int32_t> next;
   for (std::size_t k = 0; k < open.size(); ++k) {
     Region region = regions_[open[k]];
-    const Window& w = windows[k];
+    const Window& w = best_of(region, &windows[3 * k]);
+    region.axis = w.axis;
     region.cut = cut_of(region, w);
     region.lower = add_child(region, false);
     region.upper = add_child(region, true);
@@ -175,7 +204,10 @@ void Cuts::make(MPI_Comm comm, int n_parts, std::span<const double> coordinates,
   coordinates_ = coordinates;
   weights_ = weights;
   constexpr double units = 1u << 20;  // of the greatest weight
-  const double greatest = begin(comm, n_parts);
+  const double greatest = greatest_weight(comm);
+  Region all;
+  all.n_parts = n_parts;
+  regions_.assign(1, all);
   per_weight_ = greatest > 0.0 ? units / greatest : 0.0;
   region_of_.assign(weights.size(), 0);
   std::vector<std::int32_t> open;

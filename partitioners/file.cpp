@@ -16,6 +16,8 @@ void share(MPI_Comm comm, std::string& text) {
   MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, 0, comm);
 }
 
+constexpr const char* initial = "initial";  // state of a model before the first step
+
 class FilePartitioner final : public Partitioner {
  public:
   static void describe(Schema<FilePartitioner>& s) {
@@ -28,7 +30,7 @@ class FilePartitioner final : public Partitioner {
         .optional();
     s.text(&FilePartitioner::state, "state",
            "state of the model whose partition is taken: initial, or frame_N of results")
-        .by_default("initial");
+        .by_default(initial);
     s.rule("file", "file must not be an empty list", [](const FilePartitioner& p) { return !p.files.empty(); });
   }
 
@@ -74,11 +76,17 @@ class FilePartitioner final : public Partitioner {
 
   /// Finds the division into so many parts. Returns what is wrong. On rank 0.
   std::vector<std::string> read(const PartitionProblem& problem) {
-    std::string counts;
+    std::string counts, beyond;
     for (const std::string& name : files) {
       const DivisionRequest request{path_of(name), state, method, problem.n_parts, problem.n_elements};
       FoundDivision found = is_hdf5(request.path) ? read_hdf5_division(request) : read_text_division(request);
       if (!found.complaints.empty()) return found.complaints;
+      if (!found.is_chosen && (!method.empty() || state != initial))
+        return {origin + ": error: " + request.path + " has one division only, of which `method` and `state` cannot " +
+                "choose; expected neither of the two keys, or a file of `kerf partition`"};
+      if (found.line_beyond > 0)
+        beyond = " (line " + std::to_string(found.line_beyond) + " has the first part above " +
+                 std::to_string(problem.n_parts - 1) + ")";
       if (found.found) {
         division_ = std::move(found.division);
         return {};
@@ -86,7 +94,7 @@ class FilePartitioner final : public Partitioner {
       for (const int n : found.other_counts) counts += (counts.empty() ? "" : ", ") + std::to_string(n);
     }
     return {path_of(files.front()) + ": error: the number of parts is " + (counts.empty() ? "0" : counts) +
-            ", and the number asked for is " + std::to_string(problem.n_parts) +
+            (files.size() == 1 ? beyond : "") + ", and the number asked for is " + std::to_string(problem.n_parts) +
             "; expected as many parts as there are ranks"};
   }
 

@@ -321,7 +321,7 @@ struct CandidateSearch::Tables : SearchRecords {
   std::int32_t number_of_facet(std::int64_t id) {
     while (facet_numbers.size() < ids.size()) {
       const std::size_t next = facet_numbers.size();
-      const auto number = static_cast<std::size_t>(facet_numbers.number(ids[next], 0));
+      const auto number = static_cast<std::size_t>(facet_numbers.number(ids[next], -1));
       KERF_ASSERT(number == next, "every facet is listed once");
     }
     return facet_numbers.find(id, n_facets());

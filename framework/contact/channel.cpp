@@ -43,7 +43,8 @@ void ContactChannel::request(const Candidates& view, std::size_t first,
   std::vector<std::vector<std::int64_t>> wanted(owners_.size());
   for (std::size_t i = first; i < view.node_id.size(); ++i) {
     if (view.node_owner[i] == here_) {
-      own_.emplace_back(static_cast<std::int32_t>(i), alone_ ? view.node_local[i] : local_node(view.node_id[i]));
+      const std::int32_t local = view.node_local[i];
+      own_.emplace_back(static_cast<std::int32_t>(i), local >= 0 ? local : local_node(view.node_id[i]));
       continue;
     }
     Peer& owner = peer_of(owners_, view.node_owner[i]);

@@ -16,6 +16,16 @@ constexpr double worst_share = 1.1;
 /// Distance that slaves may leave their rank's box before the next search, over its edge.
 constexpr double spare_share = 0.05;
 
+/// The records for another rank, to which the local numbers of this one mean nothing.
+ContactNodeRecord without_local_numbers(ContactNodeRecord slave) {
+  slave.local = -1;
+  return slave;
+}
+ContactFacetRecord without_local_numbers(ContactFacetRecord facet) {
+  for (std::int32_t& local : facet.locals) local = -1;
+  return facet;
+}
+
 }  // namespace
 
 /// Sends every slave to the rank whose box holds it and every facet to all ranks that it may reach.
@@ -113,14 +123,14 @@ ContactEngine::Spread ContactEngine::spread() const {
 
 /// Puts records into the post of the ranks whose box of space they concern, and makes the owners of their nodes known
 /// to these ranks.
-void ContactEngine::put(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets,
-                        Post& post) {
+void ContactEngine::put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                        const std::vector<ContactFacetRecord>& facets, Post& post) {
   const auto introduce = [&](int owner, int holder) {
     if (owner != holder && introduced_.emplace(owner, holder).second) post.put(Post::holders, owner, holder);
   };
   for (const ContactNodeRecord& s : slaves) {
     const int r = space_->owner(s.home);
-    post.put(Post::slaves, r, s);
+    post.put(Post::slaves, r, r == model.rank() ? s : without_local_numbers(s));
     introduce(s.owner, r);
   }
   std::vector<int> ranks;
@@ -133,7 +143,7 @@ void ContactEngine::put(const std::vector<ContactNodeRecord>& slaves, const std:
     }
     space_->owners(low, high, ranks);
     for (const int r : ranks) {
-      post.put(Post::facets, r, f);
+      post.put(Post::facets, r, r == model.rank() ? f : without_local_numbers(f));
       has_facets_[r] = 1;
       for (const int owner : f.owners) introduce(owner, r);
     }
@@ -160,7 +170,7 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
                          std::vector<ContactFacetRecord>& facets) {
   SparseExchange exchange(model.comm, Post::n_lists);
   Post post(exchange, 0);
-  put(slaves, facets, post);
+  put(model, slaves, facets, post);
   const std::vector<int> receivers = exchange.receivers();
   exchange.deliver();
   told_.clear();

@@ -203,7 +203,8 @@ class ContactEngine {
   static double half_edge(const Box& box);
   double mean_half_edge() const;
   void note_spread(const std::vector<ContactFacetRecord>& facets);
-  void put(const std::vector<ContactNodeRecord>& slaves, const std::vector<ContactFacetRecord>& facets, Post& post);
+  void put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+           const std::vector<ContactFacetRecord>& facets, Post& post);
   void take(std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets, const Post& post);
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);

@@ -26,13 +26,13 @@ struct ContactNodeRecord {
   Vec3 home;  // decides about its rank until the next search
   std::int32_t body = 0, owner = 0;
   std::uint32_t role = 0;  // bit 0: slave; bit 1: slave of the second pass
-  std::int32_t local = 0;  // the owner's number of the node
+  std::int32_t local = 0;  // number of the node on the rank that made the record; -1 on any other
 };
 
 struct ContactFacetRecord {
   std::int64_t id = 0;  // number of the element * Shape::code_of_faces + face; elements are numbered body by body
   std::int64_t nodes[8] = {};  // corners of the facet, then the nodes behind each; the corner itself where none is
-  std::int32_t locals[8] = {};  // their numbers on the rank that made the record
+  std::int32_t locals[8] = {};  // their numbers on the rank that made the record; -1 on any other
   std::int32_t owners[8] = {};
   Box box, own_box;  // inflated by the facet's reach
   double bulk_modulus = 0.0, volume = 0.0, edge = 0.0;  // of the undeformed: volume of the element, longest edge

@@ -14,18 +14,22 @@
 namespace kerf {
 
 /// Dense numbers of nodes. Where the records come from one rank alone, their local numbers serve; otherwise an
-/// open-addressing map numbers ids, which are not negative, in order of arrival.
+/// open-addressing map numbers ids, which are not negative, in order of arrival, and a table remembers the numbers of
+/// nodes with a local number.
 class Numbering {
  public:
   Numbering(std::size_t expected, std::size_t n_local) : n_local_(static_cast<std::int32_t>(n_local)) {
     if (n_local == 0) resize(expected);
   }
+  /// The number of a node; `local` is its local number on this rank, or -1.
   std::int32_t number(std::int64_t id, std::int32_t local) {
     if (n_local_ > 0) return local;
-    if (2 * static_cast<std::size_t>(n_) >= slots_.size()) resize(2 * static_cast<std::size_t>(n_));
-    Slot& at = slot(id);
-    if (at.id != id) at = {id, n_++};
-    return at.number;
+    if (local < 0) return number(id);
+    if (static_cast<std::size_t>(local) >= of_local_.size())
+      of_local_.resize(2 * static_cast<std::size_t>(local) + 64, -1);
+    std::int32_t& known = of_local_[local];
+    if (known < 0) known = number(id);
+    return known;
   }
   /// The number of an id that has one, or `otherwise`.
   std::int32_t find(std::int64_t id, std::int32_t otherwise) {
@@ -39,6 +43,12 @@ class Numbering {
     std::int64_t id = -1;
     std::int32_t number = -1;
   };
+  std::int32_t number(std::int64_t id) {
+    if (2 * static_cast<std::size_t>(n_) >= slots_.size()) resize(2 * static_cast<std::size_t>(n_));
+    Slot& at = slot(id);
+    if (at.id != id) at = {id, n_++};
+    return at.number;
+  }
   void resize(std::size_t expected) {
     std::size_t size = 16;
     while (size < 3 * expected) size *= 2;
@@ -55,6 +65,7 @@ class Numbering {
   }
   std::int32_t n_local_ = 0, n_ = 0;
   std::vector<Slot> slots_;
+  std::vector<std::int32_t> of_local_;  // by local number: the number, or -1
 };
 
 /// Node numbers of a facet's corners, then of the other four nodes of its element.

@@ -31,7 +31,7 @@ void ContactEngine::prepare_refresh(Model& model) {
   if (model.n_ranks() == 1) return;
   if (!outbox_) outbox_ = std::make_unique<SparseExchange>(model.comm, Post::n_lists);
   Post post(*outbox_, 0);
-  put(changed_slaves_, new_facets_, post);
+  put(model, changed_slaves_, new_facets_, post);
 }
 
 bool ContactEngine::has_news() const {
@@ -76,7 +76,8 @@ void ContactEngine::look_ahead(const Model& model, const Step& step) {
 bool ContactEngine::renewal_due(const Step& step) const { return step.cycle - last_renewal_ >= law_.search_interval; }
 
 ContactNeed ContactEngine::need(Model& model, const Step& step, const Prediction& longest) {
-  outbox_.reset();
+  // Records that were prepared and not sent may have made ranks known to each other: only a search makes up for them.
+  if (std::exchange(outbox_, nullptr)) valid_ = false;
   if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) return {SearchNeed::everything, 0};
   prediction_ = &longest;
   ContactNeed mine;
@@ -144,7 +145,7 @@ void ContactEngine::announce_change(const Model& model, double time, const std::
   // Facets of the search went as far as the slaves of the search could reach: one that reaches farther needs another
   // search. The others hear of it before the next forces.
   reaches_too_far_ = farthest_reach(changed_slaves_) > slave_reach_;
-  put(changed_slaves_, new_facets_, post);
+  put(model, changed_slaves_, new_facets_, post);
   for (std::size_t r = 0; r < has_facets_.size(); ++r)
     for (const std::int64_t element : dead_elements)
       if (has_facets_[r] != 0) post.put(Post::dead, static_cast<int>(r), element);

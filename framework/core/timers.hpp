@@ -92,10 +92,11 @@ class Timers {
   Scope measure(TimerName phase) { return Scope(times_[phase.index()], phase); }
   double seconds(TimerName phase) const { return times_[phase.index()].total; }
   /// Per entry of timer_table.
-  const std::array<Time, std::size(timer_table)>& all() const { return times_; }
+  using Times = std::array<Time, std::size(timer_table)>;
+  const Times& all() const { return times_; }
 
  private:
-  std::array<Time, std::size(timer_table)> times_{};
+  Times times_{};
 };
 
 }  // namespace kerf

@@ -55,6 +55,7 @@ struct BalanceDecision {
 
   static constexpr const char *stay = "stay", *moved = "move", *forced = "forced", *first = "first",
                               *resumed = "resumed";
+  static constexpr const char* foreseen = "foreseen";  // reason of a first distribution
 };
 
 class Balancer {
@@ -67,9 +68,10 @@ class Balancer {
   void distribute_again(Model& model, std::int64_t cycle, double time);
   /// Contact definitions whose nodes count where contact goes with the elements. They must outlive this.
   void watch(const std::vector<std::unique_ptr<ContactEngine>>& contacts) { contacts_ = &contacts; }
-  /// Whether to re-balance after this step; `cycles_left` is an estimate, `work` that of all ranks without contact.
-  /// Throws PhysicsError on all ranks where the policy throws. Collective, the same on all ranks.
-  bool due(Model& model, const Step& step, double cycles_left, const RankWork& work);
+  /// Whether to re-balance after this step; `cycles_left` is an estimate, `known` the present work of all ranks without
+  /// contact, or null where it has to be asked for. Throws PhysicsError on all ranks where the policy throws.
+  /// Collective, the same on all ranks.
+  bool due(Model& model, const Step& step, double cycles_left, const RankWork* known);
   /// Partitions and migrates, after due() has said so. Collective.
   void move(Model& model, std::int64_t cycle);
 
@@ -91,7 +93,14 @@ class Balancer {
   void refuse_on_one_rank(Model& model) const;
   bool ask(const Model& model, const Step& step, double cycles_left, const RankWork& work);
   std::int64_t check_interval();
-  BalanceMove migrate_elements(Model& model, std::int64_t cycle);
+  /// Parts by the partitioner of the input. Collective.
+  std::vector<int> parts_by(Model& model, std::vector<double> weights) const;
+  /// Parts with which the run is expected to take least, if elements live for these shares of it. Equal work at the
+  /// start is tried, too. Collective.
+  std::vector<int> foreseen_parts(Model& model, const std::vector<double>& work,
+                                  const std::vector<double>& lives) const;
+  /// `lives` are the shares of the run that elements are expected to live, or null. Collective.
+  BalanceMove migrate_elements(Model& model, std::int64_t cycle, const std::vector<double>* lives = nullptr);
   RankWork work_of_all(Model& model) const;
   bool has_contact() const { return input_.has_contact_with_elements() && contacts_ != nullptr && !contacts_->empty(); }
 

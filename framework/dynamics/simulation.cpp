@@ -90,6 +90,7 @@ void Simulation::start_forces() {
 }
 
 void Simulation::add_source(ForceSource& source) {
+  const auto scope = timers_.measure("setup");
   loads_.add_source(source);
   if (source.adds_forces()) start_forces();
   at_start_ = {};
@@ -217,8 +218,12 @@ void Simulation::run() {
 
 /// Between the drift and the forces, when the old forces have done their work and nothing but state has to move.
 void Simulation::rebalance(const Step& step) {
-  const double left = (input_.time.end - step.end()) / step.dt;
-  if (!balancer_.due(model_, step, left, reduction_.work)) return;
+  double left = (input_.time.end - step.end()) / step.dt;
+  if (input_.time.maximum_cycles > 0)
+    left = std::min(left, static_cast<double>(input_.time.maximum_cycles - step.cycle));
+  // Elements have died since the ranks have told each other their work.
+  const RankWork* known = any_eroded() ? nullptr : &reduction_.work;
+  if (!balancer_.due(model_, step, left, known)) return;
   const auto scope = timers_.measure("rebalance");
   balancer_.move(model_, step.cycle);
   erosion_->rearranged();
@@ -347,6 +352,7 @@ Simulation::Progress Simulation::progress() const {
 }
 
 void Simulation::resume(const Progress& p) {
+  const auto scope = timers_.measure("setup");
   clock_.restore(p.time, p.last_dt, p.cycle);
   element_cycles_ = model_.rank() == 0 ? p.element_cycles : 0;
   reduction_ = p.reduction;

@@ -94,12 +94,18 @@ std::vector<int> SparseExchange::receivers() const {
 
 std::vector<int> SparseExchange::senders() const {
   std::vector<int> ranks;
-  for (const auto& [rank, words] : messages_) ranks.push_back(rank);
+  for (const auto& [rank, lists] : incoming_) ranks.push_back(rank);
   return ranks;
 }
 
-/// Messages by rank: the length of each list in bytes, and the lists, filled up to whole words.
+/// Messages by other rank: the length of each list in bytes, and the lists, filled up to whole words. What is for this
+/// rank goes to kept_ as it is.
 std::map<int, std::vector<std::int64_t>> SparseExchange::pack() {
+  kept_.clear();
+  if (const auto own = outgoing_.find(rank_of(comm_)); own != outgoing_.end()) {
+    kept_ = std::move(own->second);
+    outgoing_.erase(own);
+  }
   std::map<int, std::vector<std::int64_t>> packed;
   for (const auto& [rank, lists] : outgoing_) {
     std::size_t n_bytes = 0;
@@ -113,12 +119,23 @@ std::map<int, std::vector<std::int64_t>> SparseExchange::pack() {
     }
   }
   outgoing_.clear();
+  last_rank_ = -1;
   return packed;
 }
 
+/// Makes incoming_ point to what has come, in the order of the ranks.
 void SparseExchange::unpack() {
   incoming_.clear();
+  const int here = rank_of(comm_);
+  const auto add_kept = [&] {
+    if (!kept_.empty()) incoming_.emplace_back(here, std::vector<std::span<const char>>(kept_.begin(), kept_.end()));
+  };
+  bool passed_here = false;
   for (const auto& [rank, words] : messages_) {
+    if (rank > here && !passed_here) {
+      add_kept();
+      passed_here = true;
+    }
     auto& lists = incoming_.emplace_back(rank, std::vector<std::span<const char>>{}).second;
     const char* at = reinterpret_cast<const char*>(words.data() + n_lists_);
     for (std::size_t k = 0; k < n_lists_; ++k) {
@@ -126,19 +143,14 @@ void SparseExchange::unpack() {
       at += words[k];
     }
   }
+  if (!passed_here) add_kept();
 }
 
 void SparseExchange::deliver() {
-  const int here = rank_of(comm_);
-  std::map<int, std::vector<std::int64_t>> packed = pack();
+  const std::map<int, std::vector<std::int64_t>> packed = pack();
   messages_.clear();
   std::vector<OutgoingMessage> out;
-  for (auto& [rank, words] : packed) {
-    if (rank == here)
-      messages_[here] = std::move(words);
-    else
-      out.push_back({rank, words.data(), words.size()});
-  }
+  for (const auto& [rank, words] : packed) out.push_back({rank, words.data(), words.size()});
   exchange_sparsely(comm_, MPI_INT64_T, out, [this](int rank, std::size_t n) {
     messages_[rank].resize(n);
     return messages_[rank].data();
@@ -149,15 +161,11 @@ void SparseExchange::deliver() {
 void SparseExchange::deliver_among(const std::set<int>& to, const std::set<int>& from) {
   const int here = rank_of(comm_);
   for (const int rank : to)
-    if (rank != here) outgoing_[rank].resize(n_lists_);
+    if (rank != here) lists_for(rank);
   std::map<int, std::vector<std::int64_t>> packed = pack();
   messages_.clear();
   OpenMessages messages(comm_, known_tag);
   for (auto& [rank, words] : packed) {
-    if (rank == here) {
-      messages_[here] = std::move(words);
-      continue;
-    }
     if (!to.contains(rank)) throw std::logic_error("a message to a rank that does not expect any");
     messages.send(rank, words);
   }

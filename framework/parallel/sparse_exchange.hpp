@@ -44,9 +44,7 @@ class SparseExchange {
   template <class T>
   void put(int list, int rank, const T& item) {
     static_assert(std::is_trivially_copyable_v<T>);
-    auto& lists = outgoing_[rank];
-    lists.resize(n_lists_);
-    auto& bytes = lists[static_cast<std::size_t>(list)];
+    auto& bytes = lists_for(rank)[static_cast<std::size_t>(list)];
     const char* data = reinterpret_cast<const char*>(&item);
     bytes.insert(bytes.end(), data, data + sizeof(T));
   }
@@ -74,20 +72,41 @@ class SparseExchange {
   }
   template <class T>
   std::vector<T> take(int list) const {
-    std::vector<T> items;
-    each<T>(list, [&items](int, const T& item) { items.push_back(item); });
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::size_t n = 0;
+    for (const auto& [rank, lists] : incoming_) n += lists[static_cast<std::size_t>(list)].size() / sizeof(T);
+    std::vector<T> items(n);
+    T* at = items.data();
+    for (const auto& [rank, lists] : incoming_) {
+      const std::span<const char> bytes = lists[static_cast<std::size_t>(list)];
+      if (!bytes.empty()) std::memcpy(static_cast<void*>(at), bytes.data(), bytes.size());
+      at += bytes.size() / sizeof(T);
+    }
     return items;
   }
 
  private:
+  using Lists = std::vector<std::vector<char>>;
+
+  /// What is on the way to a rank.
+  Lists& lists_for(int rank) {
+    if (rank == last_rank_) return *last_;
+    last_rank_ = rank;
+    last_ = &outgoing_[rank];
+    last_->resize(n_lists_);
+    return *last_;
+  }
   std::map<int, std::vector<std::int64_t>> pack();
   void unpack();
 
   MPI_Comm comm_;
   std::size_t n_lists_;
-  std::map<int, std::vector<std::vector<char>>> outgoing_;  // by rank and list
-  std::map<int, std::vector<std::int64_t>> messages_;  // by rank that has sent them
-  std::vector<std::pair<int, std::vector<std::span<const char>>>> incoming_;  // rank; lists in messages_
+  std::map<int, Lists> outgoing_;  // by rank and list
+  int last_rank_ = -1;
+  Lists* last_ = nullptr;  // of last_rank_, in outgoing_
+  Lists kept_;  // what this rank has put in for itself, which is not packed; empty where there is nothing
+  std::map<int, std::vector<std::int64_t>> messages_;  // by other rank that has sent them
+  std::vector<std::pair<int, std::vector<std::span<const char>>>> incoming_;  // rank; lists in messages_ or kept_
 };
 
 }  // namespace kerf

@@ -77,6 +77,7 @@ Reporter::Reporter(Simulation& simulation, const ModelInput& input, const Report
   begin_recording();
   simulation.observe(*this);
   start_seconds_ = seconds_now();
+  timers_begun_ = simulation.timers().all();
   print(fmt::format("{} elements, {} nodes, {} rank{}; first stable step {:.4g} s\n", model.n_elements, model.n_nodes,
                     model.n_ranks(), model.n_ranks() == 1 ? "" : "s", simulation.first_stable_step()));
 }
@@ -302,7 +303,7 @@ void Reporter::finish(const std::string& exit) {
     if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
     observers_.finish();
     write_erosions();
-    if (recorder_) recorder_->write(simulation_);
+    if (recorder_) recorder_->finish(simulation_);
     const bool wanted = exit == "signal" || (exit == "completed" && input_.output.restart_at_end);
     if (wanted && last_restart_cycle_ != simulation_.clock().cycle()) write_restart();
     results_->close();

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "core/timers.hpp"
 #include "dynamics/simulation.hpp"
 #include "erosion/record.hpp"
 #include "output/history.hpp"
@@ -54,6 +55,7 @@ class Reporter final : public StepObserver {
   void add_parts(Summary& summary);
   void add_measures(Summary& summary);
   void add_timers(Summary& summary);
+  Timers::Time since_begin(std::size_t phase) const;
   void begin_recording();
   void write_erosions();
   std::string table_of(const Summary& summary) const;
@@ -73,6 +75,7 @@ class Reporter final : public StepObserver {
   OutputProgress due_;
   Balance last_;
   double results_interval_ = 0.0, history_interval_ = 0.0, restart_interval_ = 0.0, start_seconds_ = 0.0;
+  Timers::Times timers_begun_;  // at start_seconds_
   double next_progress_ = 0.0;
   static constexpr std::int64_t erosion_interval =
       50;  // cycles after which rows of erosion.csv are written at the latest

@@ -36,7 +36,8 @@ class Cuts:
         children = np.empty(n + int(cut.sum()), dtype=np.int64)
         children[first_child] = np.where(cut, lower, sizes)
         children[first_child[cut] + 1] = (sizes - lower)[cut]
-        axis = self._longest_axis(points, group, n)
+        low, high = self._boxes(points, group, n)
+        axis = np.argmax(high - low, axis=1)
         along = points[np.arange(len(points)), axis[group]]
         order = np.lexsort((along, group))
         g, x, w = group[order], along[order], weights[order]
@@ -60,14 +61,14 @@ class Cuts:
         return new, children
 
     @staticmethod
-    def _longest_axis(points, group, n):
-        extent = np.zeros((n, 3))
-        for d in range(3):
-            low, high = np.full(n, np.inf), np.full(n, -np.inf)
-            np.minimum.at(low, group, points[:, d])
-            np.maximum.at(high, group, points[:, d])
-            extent[:, d] = high - low
-        return np.argmax(np.where(np.isfinite(extent), extent, 0.0), axis=1)
+    def _boxes(points, group, n):
+        """Lower and upper corners of the boxes round the points of each group; zeros where there are none."""
+        low, high = np.full((n, 3), np.inf), np.full((n, 3), -np.inf)
+        np.minimum.at(low, group, points)
+        np.maximum.at(high, group, points)
+        empty = ~np.isfinite(low[:, 0])
+        low[empty], high[empty] = 0.0, 0.0
+        return low, high
 
     def locate(self, points) -> np.ndarray:
         """The part whose box holds each point."""
@@ -91,44 +92,39 @@ class Cuts:
 
 
 class SpaceCuts(Cuts):
-    """Cuts the longest edge of each region of space, where no two points that are as good as side by side are parted.
+    """Cuts across the longest edge of the box round the points of each region, where that leaves little on the wrong
+    side; otherwise across the axis that leaves least. Two points that are as good as side by side are not parted.
 
-    As partitioners/bisection.cpp: the region of all points is the box round them, and a cut finds its place among
-    `bins` slices of its region.
+    As partitioners/bisection.cpp: a cut finds its place among `bins` slices of the box.
     """
     bins = 65536
-
-    def __init__(self, points, weights, n_parts: int):
-        points = np.asarray(points, dtype=float).reshape(-1, 3)
-        self.low = points.min(axis=0, keepdims=True) if len(points) else np.zeros((1, 3))
-        self.high = points.max(axis=0, keepdims=True) if len(points) else np.zeros((1, 3))
-        super().__init__(points, weights, n_parts)
-        del self.low, self.high
 
     def _cut(self, points, weights, group, sizes):
         n = len(sizes)
         cut, lower = sizes > 1, sizes // 2
         first_child = np.cumsum(1 + cut) - (1 + cut)
-        axis = np.argmax(self.high - self.low, axis=1)
-        each = np.arange(n)
-        start, edge = self.low[each, axis], (self.high - self.low)[each, axis]
-        place = np.where(cut, self._places(points, weights, group, axis, start, edge, lower / sizes), np.inf)
+        low, high = self._boxes(points, group, n)
+        total = np.bincount(group, weights=weights, minlength=n)
+        places, errors = np.empty((3, n)), np.empty((3, n))
+        for d in range(3):
+            places[d], errors[d] = self._places(points[:, d], weights, group, low[:, d], (high - low)[:, d],
+                                                lower / sizes)
+        fair = errors <= np.maximum(0.1 / sizes, 0.01) * total
+        axis = np.where(fair.any(axis=0), np.argmax(np.where(fair, (high - low).T, -1.0), axis=0),
+                        np.argmin(errors, axis=0))
+        place = np.where(cut, places[axis, np.arange(n)], np.inf)
         self.levels.append((axis, place, first_child))
-        children = np.repeat(each, 1 + cut)
+        children = np.repeat(np.arange(n), 1 + cut)
         upper = np.zeros(len(children), dtype=bool)
         upper[first_child[cut] + 1] = True
         first = cut[children] & ~upper
-        self.low, self.high = self.low[children], self.high[children]
-        self.low[upper, axis[children[upper]]] = place[children[upper]]
-        self.high[first, axis[children[first]]] = place[children[first]]
         new_sizes = np.where(upper, (sizes - lower)[children], np.where(first, lower[children], sizes[children]))
         return first_child[group] + (points[np.arange(len(points)), axis[group]] > place[group]), new_sizes
 
-    def _places(self, points, weights, group, axis, start, edge, share) -> np.ndarray:
-        """Where each region is cut."""
+    def _places(self, along, weights, group, start, edge, share) -> tuple[np.ndarray, np.ndarray]:
+        """Where each region would be cut across one axis, and the weight that is then on the wrong side."""
         n = len(start)
         width = edge / self.bins
-        along = points[np.arange(len(points)), axis[group]]
         bin_of = np.clip((along - start[group]) / np.maximum(width[group], 1e-300), 0, self.bins - 1).astype(np.int64)
         key, run = np.unique(group * self.bins + bin_of, return_inverse=True)
         inside = np.bincount(run, weights=weights, minlength=len(key))
@@ -139,11 +135,12 @@ class SpaceCuts(Cuts):
         enough = np.flatnonzero(reached >= target * (1.0 - 1e-12))
         chosen = np.full(n, len(key), dtype=np.int64)
         np.minimum.at(chosen, g[enough], enough)
-        place = start + 0.5 * edge  # of a region without points
+        place, error = start + 0.5 * edge, np.zeros(n)  # of a region without points
         some = np.flatnonzero(chosen < len(key))
         k = chosen[some]
         taken = target[k] - (reached - inside)[k] >= 0.5 * inside[k]
         slice_of = key[k] % self.bins
         place[some] = np.where(taken, start[some] + (slice_of + 1) * width[some],
                                np.nextafter(start[some] + slice_of * width[some], -np.inf))
-        return place
+        error[some] = np.abs(np.where(taken, reached[k], (reached - inside)[k]) - target[k])
+        return place, error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -12,6 +13,9 @@ from loggp import Link, Network
 
 FOLDER = Path(__file__).resolve().parent / "networks"
 LINK_KEYS = tuple(f.name for f in fields(Link))
+LINK_NEEDS = ("latency", "send_overhead", "receive_overhead", "overhead_per_byte")  # the others are 0 where not given
+LONGEST = 0.1  # no message and no byte takes longer [s]; other units than seconds are seen by it
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 NUMBERS = ("node_gap", "node_gap_per_byte")
 WHOLE_NUMBERS = ("ranks_per_node", "eager_limit", "envelope")
 WORDS = ("name", "allreduce", "all_to_all")
@@ -57,17 +61,31 @@ class _Reader:
                 self.wrong(node, f"`{key}` has no value; expected `value` and `source`")
                 return 0.0
             node = inner["value"]
-        try:
-            value = float(node.value)
-        except (TypeError, ValueError):
-            value = float("nan")
+        text = getattr(node, "value", "")
+        value = float(text) if isinstance(text, str) and NUMBER.fullmatch(text) else float("nan")
         if not 0.0 <= value < float("inf"):
             self.wrong(node, f"`{key}` is `{getattr(node, 'value', '')}`; expected a finite number, at least 0")
             return 0.0
         return value
 
+    def seconds(self, node, key: str) -> float:
+        value = self.number(node, key)
+        if value > LONGEST:
+            self.wrong(node, f"`{key}` is {value:g} s; expected seconds, at most {LONGEST:g}")
+        return value
+
+    def word(self, node, key: str) -> str:
+        if not isinstance(node, yaml.ScalarNode):
+            self.wrong(node, f"`{key}` is no word; expected one")
+            return ""
+        return node.value
+
     def link(self, node, what: str) -> Link:
-        return Link(**{key: self.number(value, key) for key, value in self.items(node, LINK_KEYS, what).items()})
+        found = self.items(node, LINK_KEYS, what)
+        for key in LINK_NEEDS:
+            if isinstance(node, yaml.MappingNode) and key not in found:
+                self.wrong(node, f"{what} has no `{key}`; expected seconds")
+        return Link(**{key: self.seconds(value, key) for key, value in found.items()})
 
 
 def read_network(path: Path) -> Network:
@@ -78,6 +96,11 @@ def read_network(path: Path) -> Network:
     except OSError as error:
         raise NetworkError(f"{path}: error: the file cannot be read: {error.strerror}; expected a description of a "
                            "network") from error
+    except UnicodeDecodeError as error:
+        raise NetworkError(f"{path}: error: the file is no text in UTF-8; expected a description of a "
+                           "network") from error
+    except yaml.reader.ReaderError as error:
+        raise NetworkError(f"{path}: error: {error.reason}, at character {error.position}; expected YAML") from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f"{path}:{mark.line + 1}:{mark.column + 1}"
@@ -94,13 +117,13 @@ def read_network(path: Path) -> Network:
         values["between"] = Link()
     for key in NUMBERS + WHOLE_NUMBERS:
         if key in found:
-            number = reader.number(found[key], key)
+            number = reader.number(found[key], key) if key in WHOLE_NUMBERS else reader.seconds(found[key], key)
             if key in WHOLE_NUMBERS and number != int(number):
                 reader.wrong(found[key], f"`{key}` is {number}; expected a whole number")
             values[key] = int(number) if key in WHOLE_NUMBERS else number
     for key in WORDS:
         if key in found:
-            values[key] = found[key].value
+            values[key] = reader.word(found[key], key)
     if values.get("ranks_per_node", 1) > 1 and "inside" not in found:
         reader.wrong(root, "a node has several ranks, but there is no key `inside`; expected the parameters of "
                      "messages inside a node")

@@ -135,11 +135,12 @@ class PointFolder:
         return State(FAILED, code, reason, told, summary)
 
     def last_message(self) -> str:
-        """The last error line that the run printed, or its last line of all."""
+        """The last error line that the run printed, or what the launcher says of its end, or its last line of all."""
         lines = [line.strip() for name in ("run.log", "errors.log") for line in read_lines(self.path / name)]
-        lines = [line for line in lines if line]
+        lines = [line for line in lines if re.search(r"\w", line)]  # not the rules round a notice
         errors = [line for line in lines if "error:" in line]
-        return (errors or lines or ["nothing was printed"])[-1][:500]
+        ends = [line for line in lines if re.search(r"exited on signal|[Ee]xit code", line)]
+        return (errors or ends or lines or ["nothing was printed"])[-1][:500]
 
     @contextmanager
     def alone(self):
@@ -176,3 +177,12 @@ def study_alone(output: Path, program: str = "kerf sweep"):
             raise Hindered(f"{output}: error: another {program} works in this folder; wait for its end, or name "
                            "another folder with --output") from error
         yield
+
+
+def claim(output: Path, study: Path) -> None:
+    """Notes whose folder it is. Throws Hindered where it is that of another study, whose tables would be lost."""
+    note = output / "study_file"
+    before = "".join(read_lines(note)[:1])
+    if before and before != str(study) and Path(before).exists():
+        raise Hindered(f"{output}: error: the folder has the results of {before}; expected another --output")
+    write_whole(note, f"{study}\n")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from recording_check import mistakes_in
 from virtual_ranks import ContactScene, Mesh, no_contact
 
 FORMAT = 2
@@ -54,6 +55,7 @@ class Recording:
 
 
 MOMENT_ARRAYS = ("element", "element_seconds", "load_seconds", "erosion_seconds", "eroded")
+NEEDED_ARRAYS = ("element", "element_seconds")
 MOMENT_NUMBERS = ("cycle", "n_cycles", "time", "rounds", "agreements", "n_loads", "friction", "n_searches",
                   "n_renewals", "n_refreshes", "renewed", "n_eroding")
 CONTACT_NUMBERS = ("slave_reach", "facet_reach")
@@ -89,7 +91,7 @@ def read_recording(path: Path) -> Recording:
 
     try:
         with h5py.File(path) as file:
-            if file.attrs.get("kerf_recording") != FORMAT:
+            if not np.array_equal(file.attrs.get("kerf_recording"), FORMAT):
                 raise RecordingError(f"{path}: error: the file is no recording of format {FORMAT}; expected one that a "
                                      "run with a recording of its work has written")
             if len(file["moments"]) == 0:
@@ -103,7 +105,11 @@ def read_recording(path: Path) -> Recording:
                              "HDF5") from error
     except KeyError as error:
         raise RecordingError(f"{path}: error: {error.args[0]}; expected a whole recording") from error
-    check(recording, str(path))
+    except (TypeError, ValueError, AttributeError) as error:
+        raise RecordingError(f"{path}: error: something in it has another form: {error}; expected a recording as a "
+                             "run has written it") from error
+    if errors := mistakes_in(recording):
+        raise RecordingError("\n".join(f"{path}: error: {text}" for text in errors))
     return recording
 
 
@@ -112,45 +118,10 @@ def _text(value) -> str:
 
 
 def _read_moment(group) -> Moment:
-    arrays = {key: group[key][:] for key in MOMENT_ARRAYS if key in group}
+    arrays = {key: group[key][:] for key in MOMENT_ARRAYS if key in group or key in NEEDED_ARRAYS}
     numbers = {key: group.attrs[key] for key in MOMENT_NUMBERS}
     numbers = {key: int(v) if key in ("cycle", "n_cycles", "n_loads") else float(v) for key, v in numbers.items()}
     contact = ContactScene(**{key: group[f"contact/{key}"][:] for key in CONTACT_ARRAYS},
                            **{key: float(group.attrs[key]) for key in CONTACT_NUMBERS})
     mesh = Mesh(group["cells"][:], group["points"][:], group["node"][:])
     return Moment(mesh=mesh, contact=contact, **arrays, **numbers)
-
-
-def check(recording: Recording, name: str) -> None:
-    """Throws RecordingError with all that does not fit."""
-    errors = []
-    if not recording.moments:
-        errors.append("there is no moment; expected at least one")
-    for k, m in enumerate(recording.moments):
-        n, n_nodes = len(m.mesh.cells), len(m.mesh.points)
-        c = m.contact
-        if len(m.mesh.node_ids()) != n_nodes:
-            errors.append(f"moment {k}: {len(m.mesh.node_ids())} ids of {n_nodes} nodes; expected one for each")
-        for key in ("element", "element_seconds", "load_seconds", "erosion_seconds"):
-            values = getattr(m, key)
-            if values is not None and len(values) != n:
-                errors.append(f"moment {k}: {len(values)} values of {key} for {n} elements; expected one for each")
-            elif values is not None and key.endswith("seconds") and not np.all(values >= 0.0):
-                errors.append(f"moment {k}: a value of {key} is negative or not a number; expected at least 0 s")
-        for what, values, limit in (("a node of a cell", m.mesh.cells, n_nodes), ("a slave", c.slaves, n_nodes),
-                                    ("a node of a facet", c.facets, n_nodes),
-                                    ("pair_slave", c.pair_slave, len(c.slaves)),
-                                    ("pair_facet", c.pair_facet, len(c.facets)), ("an eroded element", m.eroded, n)):
-            if values.size and not 0 <= values.min() <= values.max() < limit:
-                errors.append(f"moment {k}: {what} is {values.max()}; expected a number from 0 to {limit - 1}")
-        for key in ("search_seconds", "force_seconds"):
-            if len(getattr(c, key)) != len(c.slaves):
-                errors.append(f"moment {k}: {len(getattr(c, key))} values of {key} for {len(c.slaves)} slaves; "
-                              "expected one for each")
-        if not len(c.pair_slave) == len(c.pair_facet) == len(c.pair_touches):
-            errors.append(f"moment {k}: {len(c.pair_slave)} slaves, {len(c.pair_facet)} facets and "
-                          f"{len(c.pair_touches)} touches of pairs; expected as many of each")
-        if n == 0 or m.n_cycles < 1:
-            errors.append(f"moment {k}: {n} elements in {m.n_cycles} cycles; expected at least one of each")
-    if errors:
-        raise RecordingError("\n".join(f"{name}: error: {text}" for text in errors))

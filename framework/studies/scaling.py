@@ -19,7 +19,7 @@ from point_folder import DONE
 from scaling_study import COUNTED, SIDE, TIMED, ScaleFolder, ScalingStudy
 
 CAUSES = ("elements", "contact_search", "contact_forces", "erosion")  # whose imbalance is told apart
-NEEDED = ("wall_seconds", "element_cycles", "cycles", "state_hash", "timers", "steps")
+NEEDED = ("ranks", "wall_seconds", "element_cycles", "cycles", "state_hash", "timers", "steps")
 
 
 @dataclass
@@ -38,15 +38,27 @@ class OneRun:
     message: str
 
 
+def fault_of(summary: dict, ranks: int) -> str:
+    """Why the summary of a run that was to be on so many ranks cannot be used; empty where it can."""
+    missing = [name for name in NEEDED if summary.get(name) is None]
+    if missing:
+        return f"summary.json has no {', '.join(missing)}; expected that of a newer Kerf"
+    if summary["ranks"] != ranks:
+        return (f"the run was on {summary['ranks']} ranks; expected {ranks}: does --launch start the ranks of the MPI "
+                "that Kerf is built with?")
+    if not (summary["wall_seconds"] > 0.0 and summary["steps"]["work"]["max"] > 0.0 and summary["element_cycles"] > 0):
+        return "the run has made no step whose time could be measured; expected one that takes longer"
+    return ""
+
+
 def run_of(folder: ScaleFolder) -> tuple[OneRun, dict | None]:
     """A run and its summary; the summary only of a run that has completed and has all that is needed."""
     state = folder.state()
     summary = state.summary if state.status == DONE else None
     status, message = state.status, state.message
-    missing = [name for name in NEEDED if summary is not None and name not in summary]
-    if missing:
-        status, summary = "failed", None
-        message = f"summary.json has no {', '.join(missing)}; expected that of a newer Kerf"
+    fault = "" if summary is None else fault_of(summary, folder.ranks)
+    if fault:
+        status, summary, message = "failed", None, fault
     facts = summary or {}
     return OneRun(folder.name, folder.kind, folder.group, folder.repeat, status, state.exit_code,
                   facts.get("wall_seconds"), facts.get("element_cycles"), facts.get("state_hash"), message), summary
@@ -143,6 +155,16 @@ def side_by_side_of(row: dict, copies: list[dict]) -> None:
     speeds = [copy["element_cycles"] / copy["wall_seconds"] for copy in copies]
     row["side_by_side_seconds"] = median(copy["wall_seconds"] for copy in copies)
     row["efficiency_side_by_side"] = row["element_cycles_per_second"] / (row["ranks"] * median(speeds))
+
+
+def wrong_growth(content: dict) -> list[str]:
+    """Of weak scaling: the numbers of ranks whose mesh has not grown with the ranks."""
+    rows = [row for row in content["ranks"] if row["completed"]] if content["mode"] == "weak" else []
+    wanted = {row["ranks"]: rows[0]["elements"] * row["ranks"] / rows[0]["ranks"] for row in rows}
+    return [f"kerf scale: error: the mesh of {row['ranks']} ranks has {row['elements']} elements, and that of "
+            f"{rows[0]['ranks']} ranks {rows[0]['elements']}; expected about {wanted[row['ranks']]:.0f}: --weak must "
+            "name all that makes cells" for row in rows
+            if not 0.5 <= row["elements"] / max(wanted[row["ranks"]], 1.0) <= 2.0]
 
 
 # ---- the whole study

@@ -28,6 +28,8 @@ struct FoundDivision {
   Division division;
   bool found = false;
   std::vector<int> other_counts;
+  bool is_chosen = false;  // by state and method, of a file that has several divisions
+  std::int64_t line_beyond = 0;  // of a text: the first line with a part that is not asked for, or 0
   std::vector<std::string> complaints;
 };
 

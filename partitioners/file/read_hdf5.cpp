@@ -108,6 +108,7 @@ class Hdf5Reader {
 
   /// The tree /STATE/METHOD/NUMBER OF PARTS.
   void read_partitions(hid_t file) {
+    found_.is_chosen = true;
     if (!has(file, request_.state))
       return complain("there is no state `" + request_.state + "`; it has " + joined(names_in(file)));
     const Handle state(H5Gopen2(file, request_.state.c_str(), H5P_DEFAULT), H5Gclose);

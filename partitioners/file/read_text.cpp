@@ -101,6 +101,8 @@ class TextReader {
       d.ids.push_back(line.element);
       d.parts.push_back(static_cast<std::int32_t>(line.part));
       d.n_parts = std::max(d.n_parts, static_cast<int>(line.part) + 1);
+      std::int64_t& first = found_.line_beyond;
+      if (line.part >= request_.n_parts && (first == 0 || line.number < first)) first = line.number;
     }
     found_.found = d.n_parts == request_.n_parts;
     if (!found_.found) found_.other_counts.push_back(d.n_parts);

@@ -143,6 +143,22 @@ INSTANTIATE_TEST_SUITE_P(Zoltan, GeometricPartitioner,
                          testing::Values("bisection", "zoltan_rcb", "zoltan_rib", "zoltan_hsfc"),
                          [](const auto& info) { return std::string(info.param); });
 
+/// Elements of one layer, and one far above it.
+PartitionProblem plate_and_outlier() {
+  PartitionProblem p = striped_block(24, 24, 1);
+  for (std::size_t i = 0; i < p.ids.size(); ++i)
+    if (p.ids[i] == 0) p.coordinates[3 * i + 2] = 500.0;
+  return p;
+}
+
+TEST_P(GeometricPartitioner, divides_a_plate_below_an_outlier) {
+  const PartitionProblem p = plate_and_outlier();
+  const std::vector<int> owner = make_partitioner(GetParam())->partition(p);
+  expect_valid(p, owner);
+  // A cut that finds no place between two rows is off by half a row, at each of its levels.
+  expect_balanced(p, owner, 1.1);
+}
+
 TEST_P(EveryPartitioner, balances_a_block) {
   const auto partitioner = make_partitioner(GetParam());
   const PartitionProblem p = striped_block(20, 10, 10);
@@ -288,7 +304,7 @@ TEST_P(EveryPartitioner, gives_the_same_parts_again_after_other_questions) {
   EXPECT_EQ(first, partitioner->partition(p));
 }
 
-/// Elements whose part is not what it was, when one is taken from the first part's half.
+/// Elements whose part is another one when those at one end have become a third heavier.
 std::int64_t moved_after_a_change(const std::string& name) {
   const auto partitioner = make_partitioner(name);
   PartitionProblem p = striped_block(16, 12, 10);

@@ -88,7 +88,7 @@ GOOD = [f"{e} {e % 2}" for e in range(N)]
     (GOOD + ["9 0"], ["bad.txt:389: error: element 9 has a part already, in line 10"]),
     (GOOD[:100] + GOOD[103:], ["bad.txt: error: 3 elements have no part, the first of them element 100"]),
     ([f"{e} {e % 5}" for e in range(N)],
-     ["bad.txt: error: the number of parts is 5, and the number asked for is 2"]),
+     ["bad.txt: error: the number of parts is 5 (line 3 has the first part above 1), and the number asked for is 2"]),
     ([f"{e} 0" for e in range(N)], ["bad.txt: error: the number of parts is 1, and the number asked for is 2"]),
     (["# nothing"], ["bad.txt: error: no line has an element and its part"]),
     (["1.5 0"] * 30, ["bad.txt:20: error:", "bad.txt: error: 10 more lines are wrong"]),
@@ -113,12 +113,22 @@ def test_what_the_file_does_not_have_is_told(binary, folder, tmp_path, partition
     assert message in run(binary, folder, tmp_path / "bad", partitioner, 2, expect=2).stderr
 
 
+@pytest.mark.parametrize("file", ["chosen.txt", "chosen.h5"])
+@pytest.mark.parametrize("key", [{"method": "block"}, {"state": "frame_7"}])
+def test_keys_that_cannot_choose_are_refused(binary, folder, tmp_path, file, key):
+    write(folder, "chosen.txt", GOOD)
+    with h5py.File(folder / "chosen.h5", "w") as plain:
+        plain["part"] = np.arange(N) % 2
+    done = run(binary, folder, tmp_path / "bad", {"file": file, **key}, 2, expect=2)
+    assert f"{file} has one division only, of which `method` and `state` cannot choose" in done.stderr
+
+
 def test_too_many_ranks_are_an_error_with_both_numbers(binary, folder, tmp_path):
     done = run(binary, folder, tmp_path / "bad", {"file": "study/partitions.h5", "method": "block"}, 5, expect=2)
     assert "the number of parts is 1, 2, 3, and the number asked for is 5" in done.stderr
     write(folder, "two.txt", GOOD)
     done = run(binary, folder, tmp_path / "one", {"file": "two.txt"}, 1, expect=2)
-    assert "the number of parts is 2, and the number asked for is 1" in done.stderr
+    assert "the number of parts is 2 (line 2 has the first part above 0), and the number" in done.stderr
 
 
 def test_a_damaged_hdf5_file_is_told(binary, folder, tmp_path):

@@ -30,13 +30,15 @@ def test_there_are_ours():
                                       "ethernet_10", "ethernet_25"}
 
 
-GOOD = "name: mine\nbetween:\n  latency: 1.0e-6\n  gap_per_byte: {value: 1.0e-10, source: measured}\n"
+GOOD = ("name: mine\nbetween:\n  latency: 1.0e-6\n  gap_per_byte: {value: 1.0e-10, source: measured}\n"
+        "  send_overhead: 2.0e-7\n  receive_overhead: 3.0e-7\n  overhead_per_byte: 4.0e-11\n")
 
 
 def test_numbers_may_stand_alone_or_with_a_source(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text(GOOD)
-    assert read_network(path).between == Link(latency=1.0e-6, gap_per_byte=1.0e-10)
+    assert read_network(path).between == Link(
+        latency=1.0e-6, gap_per_byte=1.0e-10, send_overhead=2.0e-7, receive_overhead=3.0e-7, overhead_per_byte=4.0e-11)
 
 
 @pytest.mark.parametrize("text, message", [
@@ -45,10 +47,16 @@ def test_numbers_may_stand_alone_or_with_a_source(tmp_path):
     (GOOD.replace("1.0e-6", "-1.0"), ":3:12: error: `latency` is `-1.0`; expected a finite number, at least 0"),
     (GOOD.replace("1.0e-6", ".nan"), ":3:12: error: `latency` is `.nan`; expected a finite number, at least 0"),
     (GOOD.replace("value: ", "number: "), ":4:18: error: unknown key `number` in `gap_per_byte`; expected one of"),
-    (GOOD + "ranks_per_node: 2.5\n", ":5:17: error: `ranks_per_node` is 2.5; expected a whole number"),
+    (GOOD + "ranks_per_node: 2.5\n", ":8:17: error: `ranks_per_node` is 2.5; expected a whole number"),
     (GOOD + "ranks_per_node: 4\n", "a node has several ranks, but there is no key `inside`; expected"),
+    (GOOD.replace("1.0e-6", "1.0"), ":3:12: error: `latency` is 1 s; expected seconds, at most 0.1"),
+    (GOOD.replace("1.0e-6", "1_0"), ":3:12: error: `latency` is `1_0`; expected a finite number, at least 0"),
+    (GOOD.replace("name: mine", "name: {a: 1}"), ":1:7: error: `name` is no word; expected one"),
+    ("between: {}\n", ":1:10: error: `between` has no `latency`; expected seconds"),
+    (GOOD.replace("send_overhead", "gap"), ":3:3: error: `between` has no `send_overhead`; expected seconds"),
+    ("name: a\x00b\n", "expected YAML"),
     (GOOD + "allreduce: magic\n", "allreduce is magic; expected open_mpi or recursive_doubling or tree"),
-    (GOOD + "name: twice\n", ":5:1: error: the key `name` stands twice in the network; expected it once"),
+    (GOOD + "name: twice\n", ":8:1: error: the key `name` stands twice in the network; expected it once"),
     ("name: mine\n", "the network has no key `between`; expected"),
     ("between: 3\n", ":1:10: error: `between` is no map; expected keys with values"),
     ("between: [\n", "expected YAML"), ("", "the file is empty; expected a description of a network")])
@@ -62,11 +70,18 @@ def test_mistakes_are_told_with_their_place(text, message, tmp_path):
 
 def test_all_mistakes_are_told_at_once(tmp_path):
     path = tmp_path / "mine.yaml"
-    path.write_text("between:\n  latency: a\n  gap: b\nwhat: 1\n")
+    path.write_text(GOOD.replace("1.0e-6", "a").replace("4.0e-11", "b") + "what: 1\n")
     with pytest.raises(NetworkError) as error:
         read_network(path)
-    assert [line.split(": ")[0].removeprefix(f"{path}:") for line in str(error.value).splitlines()] == ["2:12", "3:8",
-                                                                                                       "4:1"]
+    assert [line.split(": ")[0].removeprefix(f"{path}:") for line in str(error.value).splitlines()] == ["3:12", "7:22",
+                                                                                                       "8:1"]
+
+
+def test_a_file_that_is_no_text_is_told(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_bytes(b"name: \xff\xfe\n")
+    with pytest.raises(NetworkError, match="the file is no text in UTF-8; expected a description"):
+        read_network(path)
 
 
 def test_names_that_are_not_ours():

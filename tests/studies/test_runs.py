@@ -9,6 +9,8 @@ import time
 import pytest
 from study_case import INPUT, KERF, STUDY, SWEEP, csv_table, fits_of, summaries, sweep, table, values, write
 
+import point_folder
+
 GRID = "points: {type: grid, axes: {speed: [100 m/s, 150 m/s], strength: [300 MPa, 400 MPa]}}\n"
 
 
@@ -269,3 +271,18 @@ def test_two_studies_do_not_work_in_one_folder(tmp_path):
         process.send_signal(signal.SIGTERM)
         process.communicate(timeout=60)
     assert process.returncode == 4
+
+
+@pytest.mark.parametrize("printed, told", [
+    (["kerf: error: no memory", "-----", "mpirun noticed that process rank 1 exited on signal 9 (Killed).", "------"],
+     "kerf: error: no memory"),
+    (["------", "mpirun noticed that process rank 1 exited on signal 9 (Killed).", "Look at the log.", "------"],
+     "mpirun noticed that process rank 1 exited on signal 9 (Killed)."),
+    (["cycle 1", "=====", ""], "cycle 1"),
+    ([], "nothing was printed"),
+])
+def test_the_message_of_a_run_that_fails_is_a_sentence(tmp_path, printed, told):
+    folder = point_folder.PointFolder.__new__(point_folder.PointFolder)
+    folder.path = tmp_path
+    (tmp_path / "errors.log").write_text("\n".join(printed))
+    assert folder.last_message() == told

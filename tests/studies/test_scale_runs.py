@@ -8,6 +8,7 @@ from scale_case import content_of, made_up, row, scale, summary, write_input
 from study_case import INPUT, ROOT
 
 import message_counts
+import scaling
 from quantities import value_of
 
 SMALL = INPUT.replace("cells: [4, 4, 2]", "cells: [8, 8, 4]").replace("end: 2 us", "end: 2 us\n  maximum_cycles: 30")
@@ -34,11 +35,21 @@ def test_factors_are_in_their_range(small):
     for line in content_of(small[0])["ranks"]:
         f = line["factors"]
         for name in ("load_balance", "communication_efficiency", "parallel_efficiency"):
-            assert 0.0 < f[name] <= 1.2, (name, f)
+            assert 0.0 < f[name] <= 1.0, (name, f)
         assert f["parallel_efficiency"] == pytest.approx(f["load_balance"] * f["communication_efficiency"])
         assert f["global_efficiency"] == pytest.approx(f["parallel_efficiency"] * f["computation_scaling"])
         assert f["serialisation_efficiency"] is None and f["transfer_efficiency"] is None
     assert "not split into serialisation and transfer" in small[1].stdout
+
+
+def test_steps_take_no_longer_than_the_run(small):
+    """The set-up finds contact and forces, too; its time is not that of a step."""
+    summaries = [json.loads(path.read_text()) for path in small[0].rglob("summary.json")]
+    assert summaries
+    for one in summaries:
+        assert one["steps"]["max"] <= one["wall_seconds"], one["ranks"]
+        in_steps = sum(one["timers"][name]["mean"] for name in scaling.OF_STEP)
+        assert one["steps"]["mean"] == pytest.approx(in_steps)
 
 
 def test_messages_are_counted(small):
@@ -135,6 +146,35 @@ def test_known_times_give_known_factors(tmp_path):
     assert four["efficiency"] == pytest.approx(0.8)
 
 
+@pytest.mark.parametrize("change, message", [
+    ({"ranks": 1}, "the run was on 1 ranks; expected 2"),
+    ({"state_hash": None}, "summary.json has no state_hash"),
+    ({"steps": None}, "summary.json has no steps"),
+    ({"wall_seconds": 0.0}, "has made no step whose time could be measured"),
+])
+def test_a_summary_of_another_run_is_refused(tmp_path, change, message):
+    environment, options = made_up(tmp_path, {1: summary(1, 8.0, 8.0, 8.0), 2: summary(2, 5.0, 4.0, 4.5) | change})
+    done = scale(write_input(tmp_path), "--ranks", "1,2", "--repeats", "1", *options, "--output", tmp_path / "out",
+                 environment=environment)
+    assert done.returncode == 3 and message in done.stdout + done.stderr, done.stdout + done.stderr
+    assert row(content_of(tmp_path / "out"), 2)["completed"] == 0
+    assert "Traceback" not in done.stderr
+
+
+def test_a_mesh_that_does_not_grow_is_no_weak_scaling(tmp_path):
+    """Twice the ranks, and the same elements."""
+    environment, options = made_up(tmp_path, {1: summary(1, 8.0, 8.0, 8.0), 4: summary(4, 5.0, 4.0, 4.5)})
+    done = scale(write_input(tmp_path), "--ranks", "1,4", "--repeats", "1", "--weak", "mesh", *options, "--output",
+                 tmp_path / "out", environment=environment)
+    assert done.returncode == 3 and "the mesh of 4 ranks has 100 elements" in done.stderr, done.stdout + done.stderr
+    assert "expected about 400: --weak must name all that makes cells" in done.stderr
+
+
+def test_a_launcher_that_starts_always_the_same_is_refused(tmp_path):
+    done = scale(write_input(tmp_path), "--ranks", "1,2", "--launch", "mpirun -n 1", "--output", tmp_path / "out")
+    assert done.returncode == 2 and "expected a command with @RANKS@" in done.stderr
+
+
 def test_a_run_that_fails_stands_in_the_table(tmp_path):
     environment, options = made_up(tmp_path, {1: summary(1, 8.0, 8.0, 8.0), 4: summary(4, 2.5, 2.0, 2.0)})
     done = scale(write_input(tmp_path), "--ranks", "1,2,4", "--repeats", "1", *options, "--output", tmp_path / "out",
@@ -146,6 +186,15 @@ def test_a_run_that_fails_stands_in_the_table(tmp_path):
     assert row(content, 2)["completed"] == 0 and "speed_up" not in row(content, 2)
     assert row(content, 4)["speed_up"] == pytest.approx(3.2)
     assert "made to fail" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_a_launcher_that_is_not_there_is_told(tmp_path):
+    environment, _ = made_up(tmp_path, {2: summary(2, 5.0, 4.0, 4.5)})
+    done = scale(write_input(tmp_path), "--ranks", "2", "--no-counts", "--launch", "no_such_launcher -n @RANKS@",
+                 "--output", tmp_path / "out", environment=environment)
+    assert done.returncode == 1
+    assert "no_such_launcher: error: the command cannot be started: No such file or directory; expected a program" in \
+        done.stderr
 
 
 def test_an_input_that_is_wrong_fails_in_every_run(tmp_path):
