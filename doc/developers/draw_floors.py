@@ -12,7 +12,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 FLOORS = [["core"], ["profile", "parallel", "output", "plugin"], ["input"], ["mesh"], ["model"],
-          ["erosion", "loads", "partition"], ["contact"], ["review", "drive"], ["dynamics"], ["report", "conformance"], ["app"]]
+          ["erosion", "loads", "partition"], ["contact"], ["review", "drive"], ["dynamics"], ["report", "conformance"],
+          ["app"]]
 INCLUDE = re.compile(r'^\s*#include\s+"([^"/]+)/', re.M)
 WIDTH, HEIGHT, GAP, LEFT = 150, 34, 26, 30
 

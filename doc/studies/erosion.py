@@ -22,9 +22,16 @@ from refinement import refined  # isort: skip
 from virtual_ranks import contact_space, slave_work  # isort: skip
 
 INPUTS = ROOT / "inputs"
+THICK = INPUTS / "deep_penetration" / "deep_penetration.yaml"
+THICK_FINE = ("parameters.cell_size=1 mm", "parameters.core_cells=3", "parameters.ring_cells=3",
+              "parameters.axial_cells=72")
+THICK_SMALL = ("parameters.cell_size=4 mm", "parameters.core_cells=1", "parameters.ring_cells=1",
+               "parameters.axial_cells=14", "time.end=8 us")
 # For each model a coarse form, which is run on several ranks, and a fine one, whose recorded work is predicted.
-CASES = [(Case("oblique_rod", INPUT, COARSE), Case("oblique_rod_fine", INPUT))]
-QUICK_CASES = [(Case("small_rod", INPUT, SMALL), Case("small_rod", INPUT, SMALL))]
+CASES = [(Case("oblique_rod", INPUT, COARSE), Case("oblique_rod_fine", INPUT)),
+         (Case("deep_penetration", THICK), Case("deep_penetration_fine", THICK, THICK_FINE))]
+QUICK_CASES = [(Case("small_rod", INPUT, SMALL), Case("small_rod", INPUT, SMALL)),
+               (Case("small_penetration", THICK, THICK_SMALL), Case("small_penetration", THICK, THICK_SMALL))]
 BAR = Case("taylor_bar", INPUTS / "taylor_bar" / "taylor_bar.yaml", ("time.maximum_cycles=20",))
 POLICIES = {
     "`never`": ("balance.policy={type: never}",),
@@ -35,7 +42,8 @@ POLICIES = {
 }
 QUICK_POLICIES = {"`never`": POLICIES["`never`"], "`every: 20`": ("balance.policy={type: every, interval: 20}",)}
 # A yield stress that is never reached: the same elements without plasticity, hence without erosion.
-ELASTIC = ("materials.rod_steel.strength.yield_stress=1e9 GPa", "materials.plate_steel.strength.yield_stress=1e9 GPa")
+ELASTIC = {input: tuple(f"materials.{name}.strength.yield_stress=1e9 GPa" for name in materials)
+           for input, materials in {INPUT: ("rod_steel", "plate_steel"), THICK: ("tungsten", "steel")}.items()}
 # Cells that stand for K x K x K, ranks, and the efficiency that is wanted.
 TARGETS = [("1e8 elements on 1,024 ranks", 11, 1024, 0.85), ("2,500 elements per rank on 4,096 ranks", 5, 4096, 0.50)]
 SPACES = {"rcb": "of its own", "owners": "with the elements"}
@@ -117,7 +125,7 @@ def plasticity_table(case: Case, runs: Path, quick: bool) -> str:
     cycles = "time.maximum_cycles=20" if quick else "time.maximum_cycles=300"
     times: dict[str, list[float]] = {"as it is": [], "without plasticity": []}
     for repeat in range(1 if quick else 3):
-        for name, settings in (("as it is", ()), ("without plasticity", ELASTIC)):
+        for name, settings in (("as it is", ()), ("without plasticity", ELASTIC[case.input])):
             folder = run(case, runs, f"{name.replace(' ', '_')}_{repeat}", cycles, *settings)
             summary = summary_of(folder)
             times[name].append(1e9 * summary["timers"]["elements"]["mean"] / summary["element_cycles"])

@@ -18,6 +18,8 @@ POST = ROOT / "framework" / "post"
 sys.path[:0] = [str(STUDIES), str(POST)]
 
 from local_runs import binary_of_kerf, clean_environment  # noqa: E402
+from machine import processor  # noqa: E402
+from point_folder import hash_of_file  # noqa: E402
 
 MOST_BYTES = 150_000  # of a picture
 OVERSUBSCRIBED = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
@@ -47,11 +49,20 @@ def call(command: list, log: Path) -> None:
                          f"{end}")
 
 
+def content_of(word) -> str:
+    """What decides the result of a call: of a file its content, of a folder that `once` has made how it was made."""
+    if not isinstance(word, Path) or word == binary_of_kerf():
+        return ""
+    file = word / "made_by.json" if word.is_dir() else word
+    return hash_of_file(file) if file.is_file() else ""
+
+
 def once(command: list, output: Path, result: str) -> Path:
-    """Calls a program that writes `result` into the folder `output`, unless the same call has done it before."""
+    """Calls a program that writes `result` into the folder `output`, unless the same call has done it before, with the
+    same program and the same files."""
     program = binary_of_kerf().stat()
     scripts = max(path.stat().st_mtime_ns for path in STUDIES.glob("*.py")) if STUDIES / "predict.py" in command else 0
-    stamp = json.dumps([*map(str, command), program.st_size, program.st_mtime_ns, scripts])
+    stamp = json.dumps([*map(str, command), *map(content_of, command), program.st_size, program.st_mtime_ns, scripts])
     mark = output / "made_by.json"
     if not (mark.exists() and mark.read_text() == stamp and (output / result).exists()):
         print(f"  {output.name}", flush=True)
@@ -162,12 +173,7 @@ def save_small(source, path: Path, width: int = 1200) -> None:
 
 def machine() -> str:
     """The processor, and how busy it is."""
-    model = "unknown processor"
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            model = line.split(":", 1)[1].strip()
-            break
-    return f"{model}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
+    return f"{processor() or 'unknown processor'}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
 
 
 median = statistics.median

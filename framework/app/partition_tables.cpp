@@ -2,12 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <stdexcept>
 
 #include "app/partition_study.hpp"
+#include "output/file.hpp"
 
 namespace kerf {
 
@@ -30,13 +29,6 @@ std::string or_dash(double value, const char* pattern) {
 std::string moved_text(const FoundPartition& f) { return f.moved < 0 ? "-" : std::to_string(f.moved); }
 
 Json or_null(double value) { return value < 0.0 ? Json(nullptr) : Json(value); }
-
-void write_file(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw std::runtime_error(path + " cannot be written; is the disk full?");
-}
 
 std::string csv_of(const PartitionStudy& study) {
   std::string text =
@@ -163,9 +155,9 @@ std::string screen_line(const FoundPartition& f) {
 }
 
 void write_tables(const PartitionStudy& study, const std::string& folder) {
-  write_file(folder + "/partitions.csv", csv_of(study));
-  write_file(folder + "/partitions.json", json_of(study).dump(1) + "\n");
-  write_file(folder + "/partitions.md", markdown_of(study));
+  replace_file(folder + "/partitions.csv", csv_of(study));
+  replace_file(folder + "/partitions.json", json_of(study).dump(1) + "\n");
+  replace_file(folder + "/partitions.md", markdown_of(study));
 }
 
 }  // namespace kerf

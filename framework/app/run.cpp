@@ -1,19 +1,17 @@
 // `kerf run`: from an input file to a finished run, or to a clear end.
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 
 #include "app/commands.hpp"
 #include "app/failures.hpp"
 #include "app/load_input.hpp"
+#include "app/result_folder.hpp"
 #include "core/activity.hpp"
 #include "core/diagnostics.hpp"
 #include "core/physics_error.hpp"
@@ -31,34 +29,12 @@ namespace kerf {
 
 namespace {
 
-std::string output_folder(const RunOptions& options) {
-  if (!options.output.empty()) return options.output;
-  return (std::filesystem::path("results") / std::filesystem::path(options.input).stem()).string();
-}
-
 /// The command that goes on with a run.
 std::string resuming(const RunOptions& options, const std::string& folder) {
   std::string command = fmt::format("kerf run {} --output {} --resume", options.input, folder);
   for (const std::string& plugin : options.plugins) command += " --plugin " + plugin;
   for (const std::string& text : options.overrides) command += fmt::format(" --set '{}'", text);
   return command;
-}
-
-/// Collective: all ranks learn whether it is there.
-void make_folder(MPI_Comm comm, const std::string& folder) {
-  std::string failure;
-  if (rank_of(comm) == 0) {
-    std::error_code status;
-    std::filesystem::create_directories(folder, status);
-    if (status)
-      failure = fmt::format("{}: error: the folder for the results cannot be made: {}; name another with --output",
-                            folder, status.message());
-    else if (access(folder.c_str(), W_OK) != 0)
-      failure = fmt::format("{}: error: nothing can be written into this folder: {}; name another with --output",
-                            folder, std::strerror(errno));
-  }
-  failure = broadcast(comm, failure);
-  if (!failure.empty()) throw InputError({failure});
 }
 
 /// Rank 0 looks: a shared file system may show a file to some ranks before others. Collective.
@@ -73,6 +49,18 @@ void require_restart_file(MPI_Comm comm, const std::string& folder) {
                    "output.restart_at_end is false), when a signal stops it and, if output.restart_interval is given, "
                    "on the way; run without --resume, or name the folder of the earlier run with --output",
                    newest)});
+}
+
+/// A run that wrote over the run that it foresees from would take it away. Rank 0 looks. Collective.
+void refuse_to_overwrite_foresight(MPI_Comm comm, const BalanceInput& balance, const std::string& folder) {
+  if (balance.foresee.empty()) return;
+  std::error_code unknown;
+  const bool same = rank_of(comm) == 0 && std::filesystem::equivalent(balance.foresee, folder, unknown);
+  if (greatest(comm, std::int64_t{same ? 1 : 0}) == 0) return;
+  throw InputError(
+      {fmt::format("{}: error: `foresee` names the folder that this run writes into, {}; expected that of "
+                   "an earlier run, and another one for --output",
+                   balance.foresee_origin, folder)});
 }
 
 /// A closed standard stream would give its number to the next file that is opened, and what is printed would end in
@@ -115,17 +103,20 @@ int run_to_end(MPI_Comm comm, const RunOptions& options, const std::string& fold
 }
 
 int run(MPI_Comm comm, const RunOptions& options, Registry& registry) {
+  refuse_lone_ranks(comm);
   const auto input = load_input(comm, options, registry);
   const activity::Task task("setting up and computing",
                             {input->checks.stall_limit, "checks.stall_limit", exit_physics});
   ReportSettings settings;
-  settings.folder = output_folder(options);
+  settings.folder = result_folder(options);
   settings.input_name = options.input;
   settings.resume = options.resume;
   if (options.resume) require_restart_file(comm, settings.folder);
+  refuse_to_overwrite_foresight(comm, input->balance, settings.folder);
   Simulation simulation(comm, *input);
   if (rank_of(comm) == 0) print_warnings(simulation.warnings());
-  make_folder(comm, settings.folder);
+  make_result_folder(comm, settings.folder);
+  const FolderLock lock(comm, settings.folder);
   settings.plugin_files = registry.files();
   settings.input_digest = input->digest + " " + state_hash(simulation.model());
   const std::vector<std::string> before = simulation.warnings();

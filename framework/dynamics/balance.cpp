@@ -4,18 +4,51 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <numeric>
+#include <utility>
 
+#include "core/assert.hpp"
 #include "core/diagnostics.hpp"
 #include "core/memory.hpp"
 #include "core/physics_error.hpp"
 #include "model/migrator.hpp"
 #include "parallel/communicator.hpp"
+#include "partition/foresight.hpp"
 #include "partition/problem.hpp"
 
 namespace kerf {
+
+namespace {
+
+/// Moments of the run that foresight looks at.
+constexpr std::size_t n_moments = 20;
+/// How far an element's weight falls with the share of the run in which it is dead: foresight tries them all.
+constexpr std::array<double, 5> discounts{0.0, 0.25, 0.5, 0.75, 1.0};
+/// An element that dies at once still has to be somewhere.
+constexpr double least_weight = 0.01;
+
+/// The greatest work of a rank, summed over the moments, if each element is on the rank of its part and dies when it is
+/// expected to: what the run takes where ranks wait for one another in each cycle. Collective.
+std::int64_t expected_time(const Model& model, const std::vector<double>& work, const std::vector<double>& lives,
+                           const std::vector<int>& parts) {
+  const auto n_ranks = static_cast<std::size_t>(model.n_ranks());
+  std::vector<std::int64_t> of_part(n_moments * n_ranks, 0);
+  for (std::size_t e = 0; e < work.size(); ++e)
+    for (std::size_t k = 0; k < n_moments && lives[e] * n_moments > static_cast<double>(k) + 0.5; ++k)
+      of_part[k * n_ranks + static_cast<std::size_t>(parts[e])] += std::llrint(RankWork::units * work[e]);
+  MPI_Allreduce(MPI_IN_PLACE, of_part.data(), static_cast<int>(of_part.size()), MPI_INT64_T, MPI_SUM, model.comm);
+  std::int64_t time = 0;
+  for (auto moment = of_part.begin(); moment != of_part.end(); moment += static_cast<std::ptrdiff_t>(n_ranks))
+    time += *std::max_element(moment, moment + static_cast<std::ptrdiff_t>(n_ranks));
+  return time;
+}
+
+}  // namespace
 
 RankWork RankWork::of(const Model& model) {
   double work = 0.0;
@@ -146,7 +179,30 @@ void Balancer::refuse_on_one_rank(Model& model) const {
     throw InputError(lines);
 }
 
-BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle) {
+std::vector<int> Balancer::parts_by(Model& model, std::vector<double> weights) const {
+  const PartitionProblem problem = problem_of(model, *input_.partitioner, model.n_ranks(), std::move(weights));
+  return find_parts(*input_.partitioner, problem);
+}
+
+std::vector<int> Balancer::foreseen_parts(Model& model, const std::vector<double>& work,
+                                          const std::vector<double>& lives) const {
+  KERF_ASSERT(lives.size() == work.size(), "each element has a life and its work");
+  std::vector<int> best;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (const double discount : discounts) {
+    std::vector<double> weights = work;
+    for (std::size_t e = 0; e < work.size(); ++e)
+      weights[e] *= std::max(1.0 - discount * (1.0 - lives[e]), least_weight);
+    std::vector<int> parts = parts_by(model, std::move(weights));
+    if (const std::int64_t time = expected_time(model, work, lives, parts); time < least) {
+      least = time;
+      best = std::move(parts);
+    }
+  }
+  return best;
+}
+
+BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle, const std::vector<double>* lives) {
   const ReturnedBlocks returned;
   const auto start = std::chrono::steady_clock::now();
   BalanceMove r;
@@ -154,8 +210,7 @@ BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle) {
   const std::vector<double> work = work_of_elements(model);
   const RankWork before = RankWork::of_all(model, work);
   r.imbalance_before = before.imbalance(model.n_ranks());
-  const PartitionProblem problem = problem_of(model, *input_.partitioner, model.n_ranks(), work);
-  const std::vector<int> parts = find_parts(*input_.partitioner, problem);
+  const std::vector<int> parts = lives != nullptr ? foreseen_parts(model, work, *lives) : parts_by(model, work);
   // From the work before the move: contact does not know its candidates again before the next search.
   r.imbalance_after = RankWork::after(model, work, parts).imbalance(model.n_ranks());
   r.elements_moved = sum_of(model.comm, migrate(model, parts));
@@ -166,11 +221,15 @@ BalanceMove Balancer::migrate_elements(Model& model, std::int64_t cycle) {
 }
 
 void Balancer::distribute(Model& model) {
+  std::vector<double> lives;
+  if (!input_.foresee.empty()) lives = expected_lives(model, input_.foresee, input_.foresee_origin);
   if (model.n_ranks() == 1) return refuse_on_one_rank(model);
-  BalanceMove r = migrate_elements(model, 0);
+  BalanceMove r = migrate_elements(model, 0, input_.foresee.empty() ? nullptr : &lives);
   r.first = true;
   records_.push_back(r);
-  decisions_.push_back({0, 0.0, r.imbalance_before, {}, BalanceDecision::first, r});
+  BalanceDecision d{0, 0.0, r.imbalance_before, {}, BalanceDecision::first, r};
+  if (!input_.foresee.empty()) d.reasons.reason = BalanceDecision::foreseen;
+  decisions_.push_back(std::move(d));
 }
 
 void Balancer::distribute_again(Model& model, std::int64_t cycle, double time) {

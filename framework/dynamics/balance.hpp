@@ -55,6 +55,7 @@ struct BalanceDecision {
 
   static constexpr const char *stay = "stay", *moved = "move", *forced = "forced", *first = "first",
                               *resumed = "resumed";
+  static constexpr const char* foreseen = "foreseen";  // reason of a first distribution
 };
 
 class Balancer {
@@ -92,7 +93,14 @@ class Balancer {
   void refuse_on_one_rank(Model& model) const;
   bool ask(const Model& model, const Step& step, double cycles_left, const RankWork& work);
   std::int64_t check_interval();
-  BalanceMove migrate_elements(Model& model, std::int64_t cycle);
+  /// Parts by the partitioner of the input. Collective.
+  std::vector<int> parts_by(Model& model, std::vector<double> weights) const;
+  /// Parts with which the run is expected to take least, if elements live for these shares of it. Equal work at the
+  /// start is tried, too. Collective.
+  std::vector<int> foreseen_parts(Model& model, const std::vector<double>& work,
+                                  const std::vector<double>& lives) const;
+  /// `lives` are the shares of the run that elements are expected to live, or null. Collective.
+  BalanceMove migrate_elements(Model& model, std::int64_t cycle, const std::vector<double>* lives = nullptr);
   RankWork work_of_all(Model& model) const;
   bool has_contact() const { return input_.has_contact_with_elements() && contacts_ != nullptr && !contacts_->empty(); }
 

@@ -178,6 +178,11 @@ void BalanceInput::describe(Schema<BalanceInput>& s) {
            "whose work contact is: `own` divides space and does not count for elements; with `with_elements` the "
            "elements below contact surfaces weigh more, too")
       .by_default("own");
+  s.text(
+       &BalanceInput::foresee, "foresee",
+       "folder of an earlier, coarser run of the same model, named relative to the input file: the first distribution "
+       "weighs elements with how long they are expected to live, as far as that makes the run shorter")
+      .optional();
   s.boolean(&BalanceInput::enabled, "enabled", "whether the policy is asked at all").by_default("true");
   s.integer(&BalanceInput::force_interval, "force_interval", non_negative,
             "re-balance every so many cycles, whatever the policy says; 0 for never")

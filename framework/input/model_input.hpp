@@ -118,6 +118,8 @@ struct BalanceInput {
   std::unique_ptr<BalancePolicy> policy;
   std::string work_model;  // file; empty where absent
   std::string contact_work;  // own, with_elements
+  std::string foresee;  // folder of an earlier run, from the present folder; empty where absent
+  std::string foresee_origin;  // where it was written; not a key of the input
   WorkModel work;  // read from the file; not a key of the input
   bool has_contact_with_elements() const { return contact_work == "with_elements"; }
   static void describe(Schema<BalanceInput>& s);

@@ -97,6 +97,10 @@ void read_balance_files(BalanceInput& balance, const std::string& folder, const 
     balance.work =
         read_work_model(path_from(where.text(), folder, balance.work_model), where, read, registry, diagnostics);
   }
+  if (!balance.foresee.empty()) {
+    balance.foresee_origin = origins.find("balance.foresee").text();
+    balance.foresee = path_from(balance.foresee_origin, folder, balance.foresee);
+  }
   if (!balance.policy) return;
   const FilesOfInput files(balance.policy->origin, folder, read);
   for (const std::string& line : balance.policy->prepare(files)) diagnostics.error_line(line);

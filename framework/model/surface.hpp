@@ -1,8 +1,8 @@
 // Knows which faces of live elements are exterior, as elements die on this and on other ranks.
 //
 // Elements are numbered through all parts of the rank: slot of part p plus the part's offset. Neighbours may be of
-// different parts, where these share nodes. Faces are numbered
-// as the shape of their element says, nodes counter-clockwise seen from outside.
+// different parts, where these share nodes. Faces are numbered as the shape of their element says, nodes
+// counter-clockwise seen from outside.
 #pragma once
 
 #include <mpi.h>

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/waiting.hpp"
+#include "parallel/sparse_exchange.hpp"
 
 namespace kerf {
 
@@ -45,7 +46,7 @@ class PeerMessages {
       at += n;
       const Waiting waiting;
       sends_.emplace_back();
-      MPI_Isend(rows, static_cast<int>(n), MPI_INT64_T, p.rank, tag, comm, &sends_.back());
+      MPI_Isend(rows, count_of_items(n), MPI_INT64_T, p.rank, tag, comm, &sends_.back());
     }
     for (std::size_t n_left = receives_.size(); n_left > 0; --n_left) {
       const Arrival a = next_arrival();
@@ -80,7 +81,7 @@ class PeerMessages {
       const std::size_t n = p.items.size() * static_cast<std::size_t>(width);
       expected_.push_back({&p, &incoming_[at], n});
       receives_.emplace_back();
-      MPI_Irecv(&incoming_[at], static_cast<int>(n), MPI_INT64_T, p.rank, tag, comm, &receives_.back());
+      MPI_Irecv(&incoming_[at], count_of_items(n), MPI_INT64_T, p.rank, tag, comm, &receives_.back());
       at += n;
     }
   }

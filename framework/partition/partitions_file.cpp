@@ -4,8 +4,10 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <stdexcept>
 
+#include "output/file.hpp"
 #include "partition/hdf5_handle.hpp"
 
 namespace kerf {
@@ -16,13 +18,15 @@ using hdf5::put;
 PartitionsFile::PartitionsFile(const std::string& path, const std::string& input, std::int64_t n_elements)
     : path_(path), n_elements_(n_elements) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // messages are our own
-  file_ = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  file_ = H5Fcreate(unfinished().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   expect(file_ >= 0 && put(file_, "kerf_partitions", std::int64_t{1}) && put(file_, "n_elements", n_elements) &&
          put(file_, "input", input));
 }
 
 PartitionsFile::~PartitionsFile() {
-  if (file_ >= 0) H5Fclose(file_);
+  if (file_ < 0) return;
+  H5Fclose(file_);
+  std::remove(unfinished().c_str());
 }
 
 void PartitionsFile::expect(bool good) const {
@@ -52,6 +56,7 @@ void PartitionsFile::close() {
   const bool good = H5Fclose(file_) >= 0;
   file_ = -1;
   expect(good);
+  publish(unfinished(), path_);
 }
 
 }  // namespace kerf

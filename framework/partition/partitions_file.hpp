@@ -9,10 +9,10 @@
 
 namespace kerf {
 
-/// One file, written by one rank. Failures throw std::runtime_error.
+/// One file, written by one rank; until close() it has another name. Failures throw std::runtime_error.
 class PartitionsFile {
  public:
-  /// Begins the file, in place of one that is there.
+  /// Begins the file. One that is there stays until close(), so that it may be an input of the same call.
   PartitionsFile(const std::string& path, const std::string& input, std::int64_t n_elements);
   ~PartitionsFile();
   PartitionsFile(const PartitionsFile&) = delete;
@@ -23,9 +23,11 @@ class PartitionsFile {
   /// Adds the partition of the last state; `parts` by element id, -1 for dead elements.
   void add(const std::string& method, const std::string& type, int n_parts, const std::vector<std::int32_t>& parts,
            double seconds);
+  /// Takes the place of a file of the same name.
   void close();
 
  private:
+  std::string unfinished() const { return path_ + ".part"; }
   void expect(bool good) const;
 
   std::string path_, state_;

@@ -162,7 +162,8 @@ void count_faces(const Model& model, const std::vector<int>& parts, PartitionQua
 
 void add_work(const Model& model, const std::vector<int>& parts, const std::vector<double>& contact_work,
               PartitionQuality& q) {
-  constexpr double contact_units = 1099511627776.0;  // of a node's work: a power of two
+  // Of a node's work: a power of two, 2^36. A part may have 134 million nodes in contact before its sum overflows.
+  constexpr double contact_units = 68719476736.0;
   const std::size_t n_parts = q.elements.size();
   std::vector<std::int64_t> of_body(n_parts), contact(n_parts, 0);
   std::size_t e = 0;

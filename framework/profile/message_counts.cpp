@@ -1,10 +1,9 @@
 // A library for LD_PRELOAD that counts what a program says to other ranks, through the profiling interface of MPI.
 //
 // Kerf marks its cycles and phases with MPI_Pcontrol (core/marks.hpp). At MPI_Finalize every rank writes what it has
-// counted to the file "<KERF_MESSAGE_COUNTS>.<rank>.json": calls, messages, bytes and seconds per function and phase,
-// and per cycle the collective operations, messages, bytes and seconds of its step, without output, observers and
-// re-balancing. Any library that is loaded later in the chain
-// of profiling (mpiP, Score-P, EZTrace) sees nothing of these counts: use one of them at a time.
+// counted to the file "<KERF_MESSAGE_COUNTS>.<rank>.json": calls, bytes and seconds per function and phase, and per
+// cycle the collective operations, messages, bytes and seconds of its step, without output, observers and re-balancing.
+// Other libraries that watch MPI (mpiP, Score-P, EZTrace) need the same names of functions: use one of them at a time.
 #include <mpi.h>
 
 #include <array>
@@ -37,7 +36,7 @@ enum class Kind { collective, message, wait };
 struct Book {
   int phase = 0, depth = 0;
   std::map<std::pair<int, const char*>, std::pair<Kind, Count>> by_phase;
-  bool beside = false;  // the step of the cycle: output, observers, re-balancing
+  bool beside = false;  // whether this is no part of a step: output, observers, re-balancing
   std::vector<Cycle> cycles;
 };
 
@@ -118,7 +117,9 @@ void write_book() {
     comma = ",\n";
   }
   std::fprintf(out, "]}\n");
-  std::fclose(out);
+  const bool is_whole = std::ferror(out) == 0;
+  if (std::fclose(out) != 0 || !is_whole)
+    std::fprintf(stderr, "the counts of messages in %s are not whole; is the disk full?\n", file.c_str());
 }
 
 std::int64_t sum_of(const int* counts, int n, MPI_Datatype type) {

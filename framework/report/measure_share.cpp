@@ -1,6 +1,8 @@
 // Shows a model to measures, rank by rank.
 #include "report/measure_share.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -45,7 +47,7 @@ void add_shares(const Model& model, MeasureModel& m) {
   }
   for (const NodeShare& s : shares_of(model, shared)) {
     const MeasureModel::Node& node = m.nodes[static_cast<std::size_t>(model.local_node(s.node))];
-    for (auto k = static_cast<std::size_t>(node.first_share); m.shares[k].node == s.node; ++k)
+    for (auto k = static_cast<std::size_t>(node.first_share); k < m.shares.size() && m.shares[k].node == s.node; ++k)
       if (m.shares[k].part == s.part) {
         m.shares[k].mass = s.mass;
         break;
@@ -77,6 +79,12 @@ void add_elements(const Model& model, MeasureModel& m) {
       m.elements.push_back(e);
     }
   }
+}
+
+/// Throws where a measure has made a mistake. To be called before ranks meet: afterwards the others would wait.
+void require_as_many(const std::vector<Key>& keys, const std::vector<std::int64_t>& values) {
+  if (keys.size() != values.size())
+    throw std::runtime_error(fmt::format("{} keys have {} values; expected one for each", keys.size(), values.size()));
 }
 
 /// This rank's share of n things.
@@ -111,7 +119,6 @@ std::vector<double> MeasuringRanks::least(std::vector<double> values) { return m
 /// Each key has a rank where its values meet. Collective.
 std::vector<std::int64_t> MeasuringRanks::combine(const std::vector<Key>& keys, const std::vector<std::int64_t>& values,
                                                   const std::function<void(std::int64_t&, std::int64_t)>& join) const {
-  if (keys.size() != values.size()) throw std::runtime_error("there must be as many values as keys");
   const auto n = static_cast<std::size_t>(model_.n_ranks());
   std::vector<std::vector<KeyedValue>> asked(n);
   for (std::size_t i = 0; i < keys.size(); ++i) asked[KeyHash()(keys[i]) % n].push_back({keys[i], values[i]});
@@ -136,12 +143,14 @@ std::vector<std::int64_t> MeasuringRanks::combine(const std::vector<Key>& keys, 
 
 std::vector<std::int64_t> MeasuringRanks::least_by_key(const std::vector<Key>& keys,
                                                        const std::vector<std::int64_t>& values) {
+  require_as_many(keys, values);
   meeting_.come_to(MeetingPoint::least_by_key);
   return combine(keys, values, [](std::int64_t& a, std::int64_t b) { a = std::min(a, b); });
 }
 
 std::vector<std::int64_t> MeasuringRanks::sums_by_key(const std::vector<Key>& keys,
                                                       const std::vector<std::int64_t>& values) {
+  require_as_many(keys, values);
   meeting_.come_to(MeetingPoint::sums_by_key);
   return combine(keys, values, [](std::int64_t& a, std::int64_t b) { a += b; });
 }
@@ -153,7 +162,7 @@ std::vector<char> MeasuringRanks::bytes_on_root(const std::vector<char>& bytes) 
 
 const PartModel& MeasuringRanks::part_of(int part) const {
   if (part < 0 || part >= static_cast<int>(model_.parts.size()))
-    throw std::runtime_error("there is no part " + std::to_string(part));
+    throw std::runtime_error(fmt::format("there is no part {}", part));
   return model_.parts[static_cast<std::size_t>(part)];
 }
 
@@ -169,8 +178,8 @@ std::vector<Vec3> MeasuringRanks::undeformed_nodes(int part) {
 const Shape& MeasuringRanks::shape(int part) const { return part_of(part).store->shape(); }
 
 void MeasuringRanks::visit_undeformed(int part, const std::function<void(const UndeformedElement&)>& visit) {
+  const PartModel& p = part_of(part);  // throws before the ranks meet: afterwards the others would wait
   meeting_.come_to(MeetingPoint::visit_undeformed);
-  const PartModel& p = part_of(part);
   const MeshGenerator& mesh = *p.input->mesh;
   const auto n_nodes = static_cast<std::size_t>(shape(part).n_nodes);
   const auto [first, last] = share_of(p.n_elements, model_);

@@ -174,10 +174,10 @@ std::vector<double> SimulationView::node_field(int node, const std::string& name
 }
 
 std::vector<double> SimulationView::mass_in(int part) {
+  const auto place = static_cast<std::int32_t>(index(part));  // throws before the ranks meet
   meeting_.come_to(MeetingPoint::mass_in);
   const Model& model = simulation_.model();
   const NodeStore& n = model.nodes;
-  const auto place = static_cast<std::int32_t>(index(part));
   const auto is_shared = [&](int i) { return model.memberships.is_shared(n.membership[i]); };
   if (!std::exchange(shares_known_, true) && model.has_joined_parts()) {
     std::vector<std::int64_t> shared;

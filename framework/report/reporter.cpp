@@ -303,7 +303,7 @@ void Reporter::finish(const std::string& exit) {
     if (last_frame_cycle_ != simulation_.clock().cycle()) write_frame();
     observers_.finish();
     write_erosions();
-    if (recorder_) recorder_->write(simulation_);
+    if (recorder_) recorder_->finish(simulation_);
     const bool wanted = exit == "signal" || (exit == "completed" && input_.output.restart_at_end);
     if (wanted && last_restart_cycle_ != simulation_.clock().cycle()) write_restart();
     results_->close();

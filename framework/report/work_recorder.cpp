@@ -332,6 +332,17 @@ void WorkRecorder::add_eroded(const std::vector<std::int64_t>& ids) {
 
 void WorkRecorder::write(const Simulation& simulation) {
   if (moment_.n_cycles == 0) return;
+  end(simulation);
+  begin(simulation);
+}
+
+void WorkRecorder::finish(const Simulation& simulation) {
+  if (moment_.n_cycles > 0) end(simulation);
+  moment_ = {};
+}
+
+/// Adds the moment to the file.
+void WorkRecorder::end(const Simulation& simulation) {
   if (!knows_contact_) gather_contact(simulation);
   Work spent = work_of(simulation);
   for (std::size_t k = 0; k < spent.size(); ++k) spent[k] = std::max(spent[k] - begun_[k], 0.0);
@@ -346,7 +357,6 @@ void WorkRecorder::write(const Simulation& simulation) {
     add_eroded(eroded);
     file_.append(moment_, {node_seconds_ / node_cycles_, record_bytes_, source_});
   });
-  begin(simulation);
 }
 
 }  // namespace kerf

@@ -25,10 +25,13 @@ class WorkRecorder {
   void count(const Simulation& simulation);
   /// Ends the interval, which becomes a moment of the file, and begins the next.
   void write(const Simulation& simulation);
+  /// Ends the last interval. Nothing follows, so nobody gathers the mesh once more.
+  void finish(const Simulation& simulation);
 
  private:
   using Work = std::array<double, std::size(timer_table)>;
   void begin(const Simulation& simulation);
+  void end(const Simulation& simulation);
   static Work work_of(const Simulation& simulation);
   void open(const std::string& path, bool resume, const Simulation& simulation);
   void gather_elements(const Simulation& simulation);

@@ -58,6 +58,8 @@ def fit_ballistic_limit(striking, residual, p: float | None = 2.0, a: float | No
     through = residual > 0.0
     v, r = striking[through], residual[through]
     unknowns = ["limit", *(["a"] if a is None else []), *(["p"] if p is None else [])]
+    if np.any(v <= 0.0):
+        raise Refused("a perforating point has a striking speed of zero or less; expected speeds above zero")
     if v.size < 2:
         raise Refused(f"there {'is' if v.size == 1 else 'are'} {v.size or 'no'} perforating point"
                       f"{'' if v.size == 1 else 's'}; expected two or more with a residual speed above zero")
@@ -77,17 +79,38 @@ def fit_ballistic_limit(striking, residual, p: float | None = 2.0, a: float | No
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", OptimizeWarning)  # no covariance: no interval is given then
-            best, covariance = curve_fit(model, v, r, [start[n] for n in unknowns],
+            best, _ = curve_fit(model, v, r, [start[n] for n in unknowns],
                                          x_scale=[scales[n] for n in unknowns],
                                          bounds=tuple(zip(*(bounds[n] for n in unknowns))),
                                          xtol=1e-14, ftol=1e-14, gtol=1e-14, max_nfev=20000)
     except RuntimeError as error:
         raise Refused(f"the fit does not converge ({error}); expected points that follow the relation") from error
-    return ballistic_answer(dict(zip(unknowns, best)), covariance, unknowns, bounds, (striking, residual), a, p,
-                            confidence)
+    found = dict(zip(unknowns, map(float, best)))
+    if found["limit"] <= LEAST_LIMIT * v.min():
+        raise Refused("the residual speeds do not fall off towards a limit: the best fit has a limit of zero; "
+                      "expected points near the limit, or results without mistakes")
+    return ballistic_answer(found, unknowns, bounds, (striking, residual), a, p, confidence)
 
 
-def ballistic_answer(found, covariance, unknowns, bounds, points, a, p, confidence) -> BallisticLimit:
+LEAST_LIMIT = 1e-3  # of the slowest perforating speed
+
+
+def standard_errors(found, unknowns, v, r, a, p) -> dict[str, float]:
+    """Of each unknown, from the derivatives at the best fit; infinite where the points do not determine it."""
+    values = {"limit": found["limit"], "a": found.get("a", a), "p": found.get("p", p)}
+    columns = []
+    for name in unknowns:  # each in units of its value
+        above, below = ({**values, name: values[name] * (1.0 + side)} for side in (1e-5, -1e-5))
+        columns.append((lambert_jonas(v, **above) - lambert_jonas(v, **below)) / 2e-5)
+    jacobian = np.column_stack(columns)
+    rms = np.linalg.norm(lambert_jonas(v, **values) - r) / math.sqrt(max(v.size - len(unknowns), 1))
+    _, singular, axes = np.linalg.svd(jacobian, full_matrices=False)
+    if singular[-1] <= 1e-8 * singular[0]:
+        return dict.fromkeys(unknowns, math.inf)
+    return {name: float(rms * np.linalg.norm(axes[:, i] / singular) * values[name]) for i, name in enumerate(unknowns)}
+
+
+def ballistic_answer(found, unknowns, bounds, points, a, p, confidence) -> BallisticLimit:
     from scipy.stats import t
 
     striking, residual = points
@@ -98,10 +121,15 @@ def ballistic_answer(found, covariance, unknowns, bounds, points, a, p, confiden
     if at_bounds:
         notes.append(f"{', '.join(at_bounds)} ended at the bound of what was searched: these points do not "
                      "determine it")
-    for i, name in enumerate(unknowns):
-        width = math.sqrt(covariance[i][i]) * t.ppf(0.5 + confidence / 2.0, free) if free > 0 else math.inf
-        known = free > 0 and math.isfinite(width) and not at_bounds
-        intervals[name] = (float(found[name] - width), float(found[name] + width)) if known else None
+    errors = standard_errors(found, unknowns, striking[through], residual[through], a, p)
+    widths = {name: errors[name] * t.ppf(0.5 + confidence / 2.0, free) if free > 0 else math.inf for name in unknowns}
+    wide = [name for name in unknowns if not widths[name] < found[name]]
+    for name in unknowns:
+        known = free > 0 and not at_bounds and not wide
+        intervals[name] = (found[name] - widths[name], found[name] + widths[name]) if known else None
+    if wide and free > 0 and not at_bounds:
+        notes.append(f"{', '.join(wide)}: the interval is wider than the value: these points do not determine "
+                     f"{'it' if len(wide) == 1 else 'them'}")
     if free == 0:
         notes.append("as many unknowns as perforating points: no interval of confidence")
     answer = BallisticLimit(float(found.get("a", a)), float(found["limit"]), float(found.get("p", p)), intervals,
@@ -116,6 +144,11 @@ def ballistic_answer(found, covariance, unknowns, bounds, points, a, p, confiden
 
 # ---- convergence
 
+FORMAL_ORDER = 2.0  # of elements with linear fields, and of central differences
+# Of the index where the observed order is above the formal one. W. L. Oberkampf & C. J. Roy, "Verification and
+# validation in scientific computing", Cambridge University Press (2010), section 8.7.
+CAREFUL_SAFETY = 3.0
+
 @dataclass
 class Triplet:
     """Three meshes, the finest first, and what they say about convergence. P. J. Roache, "Perspective: a method for
@@ -127,14 +160,21 @@ class Triplet:
     behaviour: str  # monotone, oscillating, diverging, unchanged
     order: float | None = None
     extrapolated: float | None = None
-    index_fine: float | None = None  # grid convergence index of the finest mesh, a share of its value
+    index_fine: float | None = None  # grid convergence index of the finest mesh, a share of its value; none of zero
     index_middle: float | None = None
 
     def sentence(self) -> str:
         if self.behaviour == "monotone":
-            indices = f"{100.0 * self.index_fine:.3g} % (finest mesh), {100.0 * self.index_middle:.3g} % (next)"
-            return (f"monotone: observed order {self.order:.3g}, extrapolated {self.extrapolated:.6g}, grid "
+            meshes = ((self.index_fine, "finest mesh"), (self.index_middle, "next"))
+            indices = ", ".join(f"none ({mesh}, whose result is 0)" if index is None else
+                                f"{100.0 * index:.3g} % ({mesh})" for index, mesh in meshes)
+            told = (f"monotone: observed order {self.order:.3g}, extrapolated {self.extrapolated:.6g}, grid "
                     f"convergence index {indices}")
+            if self.order > 1.1 * FORMAL_ORDER:
+                told += (f"; an order above that of the method, {FORMAL_ORDER:g}, says that the meshes are not fine "
+                         f"enough for an order to be seen: the index is taken with {FORMAL_ORDER:g} and a factor of "
+                         f"{CAREFUL_SAFETY:g}")
+            return told
         return {"oscillating": "not monotone: the results go up and down as the cells get smaller; no order is given",
                 "diverging": "not converging: the differences do not shrink with the cells; no order is given",
                 "unchanged": "the results of two meshes are the same number; no order is given"}[self.behaviour]
@@ -171,10 +211,12 @@ def examine(sizes, values, safety: float) -> Triplet:
     if found.behaviour != "monotone":
         return found
     found.order = order_of(coarse / fine, h2 / h1, h3 / h2)
-    shrink_fine, shrink_coarse = (h2 / h1) ** found.order, (h3 / h2) ** found.order
-    found.extrapolated = f1 - fine / (shrink_fine - 1.0)
-    found.index_fine = safety * abs(fine / f1) / (shrink_fine - 1.0) if f1 else math.inf
-    found.index_middle = safety * abs(coarse / f2) / (shrink_coarse - 1.0) if f2 else math.inf
+    found.extrapolated = f1 - fine / ((h2 / h1) ** found.order - 1.0)
+    if found.order > 1.1 * FORMAL_ORDER:
+        safety = max(safety, CAREFUL_SAFETY)
+    order = min(found.order, FORMAL_ORDER)
+    found.index_fine = safety * abs(fine / f1) / ((h2 / h1) ** order - 1.0) if f1 else None
+    found.index_middle = safety * abs(coarse / f2) / ((h3 / h2) ** order - 1.0) if f2 else None
     return found
 
 

@@ -47,9 +47,13 @@ class Run:
         self.digest = folder.digest()
         command = folder.command(binary, ranks) + (["--resume"] if goes_on else [])
         with (folder.path / "run.log").open("wb") as out, (folder.path / "errors.log").open("wb") as errors:
-            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=errors,
-                                            env=clean_environment(), start_new_session=True,
-                                            preexec_fn=stop_with_parent)
+            try:
+                self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=errors,
+                                                env=clean_environment(), start_new_session=True,
+                                                preexec_fn=stop_with_parent)
+            except OSError as error:
+                raise Hindered(f"{command[0]}: error: the command cannot be started: {error.strerror}; expected a "
+                               "program that starts the run") from error
 
     def ended(self) -> bool:
         code = self.process.poll()

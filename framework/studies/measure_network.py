@@ -43,14 +43,16 @@ def fit(rows: np.ndarray) -> dict[str, float]:
 
 
 def times_of(mpirun_options: list[str], repeats: int) -> np.ndarray:
-    """Runs the program on two ranks."""
+    """Runs the program on two ranks. Of an option `--name=value`, mpirun wants two words."""
+    words = [word for option in mpirun_options
+             for word in (option.split("=", 1) if option.startswith("--") else [option])]
     for tool in ("mpicc", "mpirun"):
         if shutil.which(tool) is None:
             raise MeasurementError(f"{tool} is not in the path; expected an installation of MPI with its compiler")
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "measure_network"
         commands = (["mpicc", "-O2", "-o", str(program), str(SOURCE)],
-                    ["mpirun", *mpirun_options, "-n", "2", str(program), str(repeats)])
+                    ["mpirun", *words, "-n", "2", str(program), str(repeats)])
         for command in commands:
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode != 0:

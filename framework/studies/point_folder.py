@@ -177,3 +177,12 @@ def study_alone(output: Path, program: str = "kerf sweep"):
             raise Hindered(f"{output}: error: another {program} works in this folder; wait for its end, or name "
                            "another folder with --output") from error
         yield
+
+
+def claim(output: Path, study: Path) -> None:
+    """Notes whose folder it is. Throws Hindered where it is that of another study, whose tables would be lost."""
+    note = output / "study_file"
+    before = "".join(read_lines(note)[:1])
+    if before and before != str(study) and Path(before).exists():
+        raise Hindered(f"{output}: error: the folder has the results of {before}; expected another --output")
+    write_whole(note, f"{study}\n")

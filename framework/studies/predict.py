@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Predicts how a run would scale: time per cycle, speed-up, efficiency and its factors on virtual ranks.
 
-Exit code 0: done; 2: the recording, a network or an option is wrong.
+Exit code 0: done; 1: a file cannot be written; 2: the recording, a network, partitions or an option is wrong.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import io
 import json
 import sys
 from pathlib import Path
@@ -20,6 +21,7 @@ try:
     import pop
     import prediction
     from networks import NetworkError, find_network, read_network
+    from point_folder import write_whole
     from recording import Recording, RecordingError, read_recording
 except ModuleNotFoundError as error:
     sys.exit(f"kerf predict: the Python package {error.name} is missing; ./kerf build installs it, unless KERF_PYTHON "
@@ -130,11 +132,12 @@ def predict_all(recording: Recording, args: argparse.Namespace, networks: list) 
 
 def write_tables(rows: list[dict], folder: Path, about: dict) -> None:
     names = list(dict.fromkeys(name for row in rows for name in row))
-    with open(folder / "predict.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, names)
-        writer.writeheader()
-        writer.writerows(rows)
-    (folder / "predict.json").write_text(json.dumps({**about, "predictions": rows}, indent=1) + "\n", encoding="utf-8")
+    table = io.StringIO()
+    writer = csv.DictWriter(table, names, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_whole(folder / "predict.csv", table.getvalue())
+    write_whole(folder / "predict.json", json.dumps({**about, "predictions": rows}, indent=1) + "\n")
 
 
 def run(args: argparse.Namespace) -> None:
@@ -170,6 +173,10 @@ def main(argv: list[str]) -> int:
             measure_network.MeasurementError) as error:
         print(error, file=sys.stderr)
         return 2
+    except OSError as error:
+        print(f"{error.filename or args.output}: error: {error.strerror or error}; expected a folder that can be "
+              "written", file=sys.stderr)
+        return 1
     return 0
 
 

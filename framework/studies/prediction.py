@@ -47,7 +47,12 @@ class FilePartitions:
         """Of the last state of the file that is not later than the moment."""
         import h5py
 
-        with h5py.File(self.path) as file:
+        try:
+            file = h5py.File(self.path)
+        except OSError as error:
+            raise PartitionError(f"{self.path}: error: the file cannot be read: {error}; expected one that kerf "
+                                 "partition has written") from error
+        with file:
             states = sorted((float(group.attrs["time"]), name) for name, group in file.items() if "time" in group.attrs)
             fitting = [name for time, name in states if time <= state.time * (1.0 + 1e-9)]
             if not fitting:
@@ -60,6 +65,9 @@ class FilePartitions:
                 raise PartitionError(f"{self.path}: error: the state {fitting[-1]} has no partition {key}; expected "
                                      f"one of {known}")
             parts = methods[key][:].astype(np.int64)
+        if moment == 0 and state.cycle <= 1 and np.count_nonzero(parts >= 0) != len(state.element):
+            raise PartitionError(f"{self.path}: error: {np.count_nonzero(parts >= 0)} elements have a part; expected "
+                                 f"those of the run, {len(state.element)}")
         if state.element.max() >= len(parts):
             raise PartitionError(f"{self.path}: error: {len(parts)} elements; expected those of the run, which has an "
                                  f"element {state.element.max()}")
@@ -80,10 +88,11 @@ class Policy:
     def name(self) -> str:
         return self.kind if self.kind == "never" else f"{self.kind}:{self.value:g}"
 
-    def moves(self, moment: Moment, imbalance: float, since_move: int) -> int:
+    def moves(self, moment: Moment, imbalance: float) -> int:
         """How often it moves in the cycles of a moment; the first move takes place at its start."""
-        if self.kind == "every":
-            return int((since_move + moment.n_cycles) // self.value)
+        if self.kind == "every":  # in the cycles whose numbers it divides
+            before = moment.cycle - 1
+            return (before + moment.n_cycles) // int(self.value) - before // int(self.value)
         return 1 if self.kind == "threshold" and imbalance > self.value else 0
 
 
@@ -94,7 +103,7 @@ def read_policy(text: str) -> Policy:
     except ValueError:
         number = float("nan")
     least = {"never": 0.0, "every": 1.0, "threshold": 1.0}.get(kind)
-    if least is None or not number >= least or (kind == "never" and value):
+    if least is None or not number >= least or (kind == "never" and value) or (kind == "every" and number % 1.0):
         raise ValueError(f"a policy `{text}`; expected never, every:CYCLES or threshold:IMBALANCE, both at least 1")
     return Policy(kind, number)
 
@@ -130,12 +139,17 @@ class _Sum:
     def add(self, clock: loggp.Clock, weight: float, program: Program) -> None:
         """Runs one cycle on a clock that has settled; it counts `weight` times."""
         self.traffic.add(traffic_of(program), weight)
-        start = clock.time.max()
+        start = clock.time.copy()
         clock.spent.clear()
         clock.useful.clear()
-        self.seconds += weight * float(clock.run(program).max() - start)
-        for name, values in clock.spent.items():
-            self.phases[name] = self.phases.get(name, 0.0) + weight * float(values.mean())
+        end = clock.run(program)
+        seconds = float(end.max() - start.max())
+        self.seconds += weight * seconds
+        # Ranks that begin apart catch up with one another in the cycle, which in a run they do once only.
+        spent = {name: float(values.mean()) for name, values in clock.spent.items()}
+        share = seconds / float((end - start).mean())
+        for name, value in spent.items():
+            self.phases[name] = self.phases.get(name, 0.0) + weight * share * value
         for name, values in clock.useful.items():
             self.useful[name] = self.useful.get(name, np.zeros(self.n_ranks)) + weight * values
 
@@ -176,9 +190,9 @@ def predict(recording: Recording, n_ranks: int, partitions: Partitions, policy: 
     recording, sizes, rates = refined(recording, sizes, rates, refine)
     both = [n for network in networks for n in (network, loggp.ideal(network))]
     sums = [_Sum(n_ranks) for _ in both]
-    owners, since_move, n_moves, space, copies = None, 0, 0, None, None
+    owners, n_moves, space, copies = None, 0, None, None
     for k, moment in enumerate(recording.moments):
-        owners, moved, moves, since_move = _next_owners(recording, k, owners, n_ranks, partitions, policy, since_move)
+        owners, moved, moves = _next_owners(recording, k, owners, n_ranks, partitions, policy)
         n_moves += moves
         ranks = share_out(moment.mesh, owners, n_ranks, None if moves else copies)
         copies = copies_of(ranks, moment.mesh)
@@ -203,19 +217,17 @@ def _outcome(partitions, policy, network, n_cycles: int, n_moves: int, real: _Su
                    pop.imbalance_by_cause(useful, seconds), real.traffic.over(n_cycles))
 
 
-def _next_owners(recording: Recording, k: int, before, n_ranks: int, partitions: Partitions, policy: Policy,
-                 since_move: int):
-    """Owners of the elements of a moment, which elements have moved, how often, and cycles since the last move."""
+def _next_owners(recording: Recording, k: int, before, n_ranks: int, partitions: Partitions, policy: Policy):
+    """Owners of the elements of a moment, which elements have moved, and how often the mesh is shared out anew."""
     moment = recording.moments[k]
-    if before is None:
-        return partitions.owners(k, moment, n_ranks), None, 0, moment.n_cycles
-    kept = _carry_over(recording.moments[k - 1], moment, before)
+    first = before is None
+    kept = partitions.owners(k, moment, n_ranks) if first else _carry_over(recording.moments[k - 1], moment, before)
     work = np.bincount(kept, weights=moment.element_seconds, minlength=n_ranks)
-    moves = policy.moves(moment, pop.imbalance(work), since_move)
+    moves = policy.moves(moment, 1.0 if first else pop.imbalance(work))
     if moves == 0:
-        return kept, None, 0, since_move + moment.n_cycles
-    owners = partitions.owners(k, moment, n_ranks)
-    return owners, moved_elements(kept, owners, n_ranks), moves, 0
+        return kept, None, 0
+    owners = kept if first else partitions.owners(k, moment, n_ranks)
+    return owners, moved_elements(kept, owners, n_ranks), moves
 
 
 def _carry_over(earlier: Moment, moment: Moment, owners: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ wrong; 3: a run has failed; 4: stopped by a signal, or runs are not there yet; 5
 from __future__ import annotations
 
 import argparse
+import shlex
 import signal
 import sys
 from datetime import datetime, timezone
@@ -24,7 +25,7 @@ try:
     from marked_yaml import Hindered, StudyError
     from model_input import ModelInput
     from point_folder import DONE, FAILED, read_json, study_alone
-    from scaling import finite, run_of, tabulate
+    from scaling import finite, run_of, tabulate, wrong_growth
     from scaling_study import TIMED, ScalingStudy, hash_of_program, library_of_counts, read_study_of
     from talp import write_talp
 except ModuleNotFoundError as error:
@@ -102,6 +103,11 @@ def parse_arguments(words: list[str] | None = None) -> argparse.Namespace:
         parser.error("--template goes with --slurm only")
     if arguments.slurm and arguments.side_by_side:
         parser.error("--side-by-side needs this machine; expected it without --slurm")
+    if arguments.launch:
+        try:
+            shlex.split(arguments.launch)
+        except ValueError as error:
+            parser.error(f"--launch: {error} in `{arguments.launch}`; expected a command as for a shell")
     if arguments.launch and "@RANKS@" not in arguments.launch and set(arguments.ranks) != {1}:
         parser.error(f"--launch: \"{arguments.launch}\" starts the same number of ranks in every run; expected a "
                      "command with @RANKS@ for their number")
@@ -190,6 +196,9 @@ def tell(content: dict, output: Path) -> int:
     if content["hashes"]["differing"]:
         print(*scaling_output.hash_message(content, output), sep="\n", file=sys.stderr)
         return EXIT_HASHES
+    if grew_wrong := wrong_growth(content):
+        print(*grew_wrong, sep="\n", file=sys.stderr)
+        return EXIT_RUN_FAILED
     if FAILED in states:
         return EXIT_RUN_FAILED
     return EXIT_STOPPED if states.count(DONE) < len(states) else 0
@@ -209,7 +218,8 @@ def write_slurm(study: ScalingStudy, binary: Path, output: Path, submit: bool) -
                 continue
             script = slurm.write_array(waiting, place, binary, 1)
             say(f"{len(waiting)} runs on {n} ranks are in the array {script}")
-            say(f"submitted as job {slurm.submit(script)}" if submit else f"submit it with: sbatch {script}")
+            say(f"submitted as job {slurm.submit(script)}" if submit else
+                f"submit it with: sbatch {shlex.quote(str(script))}")
         say(f"gather the results with: kerf scale --collect --output {output}")
     return 0
 

@@ -157,6 +157,16 @@ def side_by_side_of(row: dict, copies: list[dict]) -> None:
     row["efficiency_side_by_side"] = row["element_cycles_per_second"] / (row["ranks"] * median(speeds))
 
 
+def wrong_growth(content: dict) -> list[str]:
+    """Of weak scaling: the numbers of ranks whose mesh has not grown with the ranks."""
+    rows = [row for row in content["ranks"] if row["completed"]] if content["mode"] == "weak" else []
+    wanted = {row["ranks"]: rows[0]["elements"] * row["ranks"] / rows[0]["ranks"] for row in rows}
+    return [f"kerf scale: error: the mesh of {row['ranks']} ranks has {row['elements']} elements, and that of "
+            f"{rows[0]['ranks']} ranks {rows[0]['elements']}; expected about {wanted[row['ranks']]:.0f}: --weak must "
+            "name all that makes cells" for row in rows
+            if not 0.5 <= row["elements"] / max(wanted[row["ranks"]], 1.0) <= 2.0]
+
+
 # ---- the whole study
 
 def hashes_of(folders: list[ScaleFolder], runs: list[OneRun]) -> dict:

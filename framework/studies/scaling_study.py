@@ -80,6 +80,9 @@ class ScalingStudy:
             except PathError as error:
                 raise StudyError(f"--weak: error: {error}") from error
             last = path.rsplit(".", 1)[-1]
+            if not (last in ("cells", "cell_size") or last.endswith("_cells") or path.startswith("parameters.")):
+                raise StudyError(f"--weak: error: {path} makes no cells; expected `mesh`, the path of a key `cells`, "
+                                 "`cell_size` or `..._cells`, or a value under `parameters`")
             whole = last == "cells" or last.endswith("_cells")
             grown = grown_counts(text, factor, target) if whole else scaled(text, 1.0 / factor, False)
             if grown is None:
@@ -118,7 +121,11 @@ def read_study_of(output: Path) -> ScalingStudy:
     if facts is None:
         raise Hindered(f"{output / 'study.json'}: error: the file is not there or is broken; expected the folder of an "
                        "earlier kerf scale")
-    return ScalingStudy(**{**facts, "input": ModelInput(Path(facts["input"]))})
+    try:
+        return ScalingStudy(**{**facts, "input": ModelInput(Path(facts["input"]))})
+    except (TypeError, KeyError) as error:
+        raise Hindered(f"{output / 'study.json'}: error: it is not of kerf scale, or of another version; expected the "
+                       "folder of an earlier kerf scale") from error
 
 
 def grown_counts(text: str, factor: float, path: str) -> str | None:

@@ -30,7 +30,7 @@ if ! sha256sum --check --status -- "$here/files.sha256" >"$here/run.log" 2>"$her
   code=2
 else
   goes_on=()
-{resume}  {command} "${{goes_on[@]}}" >"$here/run.log" 2>"$here/errors.log"
+{resume}  {command} ${{goes_on[@]+"${{goes_on[@]}}"}} >"$here/run.log" 2>"$here/errors.log"
   code=$?
 fi
 printf '%s\\n' "$code" >"$here/exit_code.part" && mv -- "$here/exit_code.part" "$here/exit_code"
@@ -93,6 +93,8 @@ def write_array(folders: list[PointFolder], output: Path, binary: Path, jobs: in
     file = study.slurm_template or TEMPLATE
     place = output / "slurm"
     logs = place / "logs"
+    if re.search(r"\s", str(logs)):
+        raise Hindered(f"{output}: error: Slurm's scripts cannot name a folder with a blank; expected another --output")
     at_once = f"%{jobs}" if jobs else ""
     script = filled(file.read_text(encoding="utf-8"), {
         "NAME": re.sub(r"\W+", "_", study.file.stem), "ARRAY": f"0-{len(folders) - 1}{at_once}",

@@ -62,9 +62,7 @@ class Spaces:
         if not blocks:
             self.complaints.add(node, "`points` is an empty list; expected one block or more")
         parts = [self._read_block(block, i) for i, block in enumerate(blocks)]
-        if math.prod(len(part) for part in parts) > MOST_POINTS:
-            self.complaints.add(node, f"these are more than {MOST_POINTS} points; expected fewer")
-        if self.complaints:
+        if self.complaints or self._too_many(node, math.prod(len(part) for part in parts)):
             return []
         return [dict(pair for part in parts_of_one for pair in part.items())
                 for parts_of_one in itertools.product(*parts)]
@@ -80,6 +78,11 @@ class Spaces:
         if read:
             block.finish()
         return points
+
+    def _too_many(self, node, count: int) -> bool:
+        if count > MOST_POINTS:
+            self.complaints.add(node, f"these are more than {MOST_POINTS} points; expected fewer")
+        return count > MOST_POINTS
 
     # ---- kinds
 
@@ -118,6 +121,8 @@ class Spaces:
                                     "{from: 1 mm, to: 4 mm, count: 4}")
         if is_map(node) and not node.value:
             self.complaints.add(node, "`axes` is empty; expected one parameter or more")
+        if self._too_many(node, math.prod(len(values) for values in lists.values())):
+            return []
         return [dict(zip(lists, values)) for values in itertools.product(*lists.values())]
 
     def _latin_hypercube(self, block: Block, number: int) -> list[dict[str, Value]]:
@@ -136,7 +141,7 @@ class Spaces:
                 one.finish()
         if is_map(node) and not node.value:
             self.complaints.add(node, "`ranges` is empty; expected one parameter or more")
-        if self.complaints or count is None or seed is None:
+        if self.complaints or count is None or seed is None or self._too_many(node, count):
             return []
         return [{name: with_unit(found.at(share), self.parameters[name].unit)
                  for name, found, share in zip(names, ranges, row)} for row in hypercube(len(names), count, seed)]
@@ -241,7 +246,7 @@ class Spaces:
         found = self._range(block, parameter)
         count = block.whole("count", "a number of values, from 2 on", least=2, required=True)
         block.finish()
-        if self.complaints or count is None or parameter is None:
+        if self.complaints or count is None or parameter is None or self._too_many(node, count):
             return []
         if found.whole:
             numbers = [round(x) for x in np.linspace(found.low, found.high, count)]

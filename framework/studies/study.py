@@ -68,13 +68,19 @@ class Study:
     def settings_of(self, values: dict[str, Value]) -> dict[str, str]:
         """The settings of one point, by path. Throws PathError."""
         settings = dict(self.fixed)
+        writers: dict[str, str] = {}  # by what is written, a key or one component of a vector: the parameter
         for name, value in values.items():
             parameter = self.parameters[name]
             if parameter.is_refinement:
-                refine(self.input, parameter, value.number, settings)
+                written = refine(self.input, parameter, value.number, settings)
             else:
-                for path in parameter.paths:
-                    put(self.input, parameter, path, value, settings)
+                written = [put(self.input, parameter, path, value, settings) for path in parameter.paths]
+            for place in written:
+                other = writers.setdefault(place, name)
+                whole = writers.get(place.partition("[")[0])  # of a vector one of whose components is written
+                parts = [writer for key, writer in writers.items() if key.startswith(f"{place}[")]
+                for second in {other, whole or name, *parts} - {name}:
+                    raise PathError(f"{place} is set by {second} and by {name}; expected each value to be set once")
         refuse_overlaps(settings)
         return settings
 
@@ -89,7 +95,8 @@ def refuse_overlaps(settings: dict[str, str]) -> None:
                                 "expected each value to be set once")
 
 
-def put(model: ModelInput, parameter: Parameter, path: str, value: Value, settings: dict[str, str]) -> None:
+def put(model: ModelInput, parameter: Parameter, path: str, value: Value, settings: dict[str, str]) -> str:
+    """Sets the value at a path; returns the key that is set, with the place where that is one of a list."""
     steps = split_path(path)
     text = value.text
     if parameter.factor != 1.0:
@@ -98,13 +105,14 @@ def put(model: ModelInput, parameter: Parameter, path: str, value: Value, settin
     if rest:
         key, text = model.component_set(steps, settings, text)
         settings[key] = text
-    else:
-        settings[".".join(steps)] = text
+        return f"{key}[{'.'.join(map(str, rest))}]"
+    settings[".".join(steps)] = text
+    return ".".join(steps)
 
 
-def refine(model: ModelInput, parameter: Parameter, factor: float, settings: dict[str, str]) -> None:
+def refine(model: ModelInput, parameter: Parameter, factor: float, settings: dict[str, str]) -> list[str]:
     """Multiplies numbers of cells by a factor, and divides sizes of cells by it. A named value ($h) that several places
-    use is scaled once."""
+    use is scaled once. Returns the keys that are set."""
     done = set()
     for path, power, whole in [*((p, factor, True) for p in parameter.counts),
                                *((p, 1.0 / factor, False) for p in parameter.sizes)]:
@@ -118,6 +126,7 @@ def refine(model: ModelInput, parameter: Parameter, factor: float, settings: dic
             raise PathError(f"{path} is {text}, and {factor:g} times as fine it is no longer {wanted}; expected "
                             f"{wanted} at every factor")
         settings[key] = made
+    return sorted(done)
 
 
 class StudyReader:

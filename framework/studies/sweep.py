@@ -8,6 +8,7 @@ failed; 4: stopped by a signal, or points are not run yet.
 from __future__ import annotations
 
 import argparse
+import shlex
 import signal
 import sys
 from pathlib import Path
@@ -21,7 +22,7 @@ try:
     import slurm
     from local_runs import Runner, binary_of_kerf, usual_jobs
     from marked_yaml import Hindered, StudyError
-    from point_folder import DONE, FAILED, PointFolder, State, read_json, study_alone
+    from point_folder import DONE, FAILED, PointFolder, State, claim, read_json, study_alone
     from quantities import Value
     from study import Point, Study, read_study
 except ModuleNotFoundError as error:
@@ -136,6 +137,7 @@ def run(study: Study, output: Path, jobs: int | None) -> int:
     need_points(study)
     binary = binary_of_kerf()
     with study_alone(output):
+        claim(output, study.file)
         folders = folders_of(study, output)
         waiting = [folder for folder in folders if folder.state().status != DONE]
         jobs = jobs or usual_jobs(study.ranks)
@@ -152,6 +154,7 @@ def write_slurm(study: Study, output: Path, jobs: int | None, submit: bool) -> i
     need_points(study)
     binary = binary_of_kerf()
     with study_alone(output):
+        claim(output, study.file)
         slurm.refuse_if_queued(output)
         waiting = [folder for folder in folders_of(study, output) if folder.state().status != DONE]
         if not waiting:
@@ -159,7 +162,8 @@ def write_slurm(study: Study, output: Path, jobs: int | None, submit: bool) -> i
             return 0
         script = slurm.write_array(waiting, output, binary, jobs)
         say(f"{len(waiting)} points are in the array {script}")
-        say(f"submitted as job {slurm.submit(script)}" if submit else f"submit it with: sbatch {script}")
+        say(f"submitted as job {slurm.submit(script)}" if submit else
+            f"submit it with: sbatch {shlex.quote(str(script))}")
         say(f"gather the results with: kerf sweep {study.file} --output {output} --collect")
     return 0
 

@@ -21,8 +21,9 @@ def spoiled(edits, text=GOOD):
     return text
 
 
-def kerf(*words, cwd=None, timeout=120):
-    return subprocess.run([KERF, *(str(w) for w in words)], cwd=cwd, capture_output=True, text=True, timeout=timeout)
+def kerf(*words, cwd=None, timeout=120, env=None):
+    return subprocess.run([KERF, *(str(w) for w in words)], cwd=cwd, capture_output=True, text=True, timeout=timeout,
+                          env=env)
 
 
 def on_ranks(n):

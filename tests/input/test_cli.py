@@ -1,5 +1,6 @@
 """The command line: what each command prints, its exit code, and the ways of starting a run on several ranks."""
 
+import fcntl
 import json
 import os
 import re
@@ -255,3 +256,28 @@ def test_set_replaces_values(case):
     assert summary["end_time"] == pytest.approx(1e-6)
     assert summary["parts"]["striker"]["elements"] == 27
     assert summary["energy"]["initial"] == pytest.approx(0.5 * 8930 * 8e-9 * 100**2)
+
+
+# ---- one folder, one run
+
+@pytest.mark.parametrize("name", ["PMI_SIZE", "SLURM_STEP_NUM_TASKS"])
+def test_ranks_that_do_not_know_of_each_other_are_refused(case, name):
+    """A launcher of another MPI starts two processes, each of which MPI calls the only one."""
+    done = kerf("run", "case.yaml", cwd=case, env={**os.environ, name: "2"})
+    assert done.returncode == 2 and f"{name} is 2: error: 2 processes were started, and MPI knows of one" in done.stderr
+    assert sorted(p.name for p in case.iterdir()) == ["case.yaml"], "nothing is written"
+
+
+def test_a_folder_in_which_a_run_works_is_refused(case):
+    folder = case / "results" / "case"
+    folder.mkdir(parents=True)
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        done = kerf("run", "case.yaml", cwd=case)
+        assert done.returncode == 2
+        assert "case: error: another run works in this folder; wait for its end, or name another" in done.stderr
+        assert not list(folder.iterdir())
+    finally:
+        os.close(held)
+    assert kerf("run", "case.yaml", cwd=case).returncode == 0

@@ -304,7 +304,7 @@ TEST_P(EveryPartitioner, gives_the_same_parts_again_after_other_questions) {
   EXPECT_EQ(first, partitioner->partition(p));
 }
 
-/// Elements whose part is not what it was, when one is taken from the first part's half.
+/// Elements whose part is another one when those at one end have become a third heavier.
 std::int64_t moved_after_a_change(const std::string& name) {
   const auto partitioner = make_partitioner(name);
   PartitionProblem p = striped_block(16, 12, 10);

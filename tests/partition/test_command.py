@@ -196,6 +196,18 @@ def test_block_does_not_depend_on_ranks(binary, model, study, tmp_path):
         assert np.all(np.diff(one["initial/block/7"][:]) >= 0)
 
 
+def test_the_file_of_an_earlier_call_may_be_read_and_replaced(binary, model, tmp_path):
+    call(binary, "partition", model, "--parts", 7, "--method", "block", "--no-mesh", "--output", tmp_path)
+    with h5py.File(tmp_path / "partitions.h5") as file:
+        before = file["initial/block/7"][:]
+    again = f"again={{type: file, file: {tmp_path / 'partitions.h5'}, method: block}}"
+    call(binary, "partition", model, "--parts", 7, "--method", again, "--no-mesh", "--output", tmp_path)
+    with h5py.File(tmp_path / "partitions.h5") as file:
+        assert list(file["initial"]) == ["again"]
+        assert np.array_equal(file["initial/again/7"][:], before)
+    assert not list(tmp_path.glob("*.part"))
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_frames_are_divided_as_they_are(binary, model, run, tmp_path, ranks):
     call(binary, "partition", model, "--parts", "2,5", "--results", run, "--frame", "last,0,1", "--output", tmp_path,

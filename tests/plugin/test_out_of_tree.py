@@ -304,3 +304,42 @@ KERF_OBSERVER(Astray, "astray", "calls a collective function on one rank only")
     assert done.returncode == 3
     assert "some ranks have come to its end and others to greatest; collective functions have to be called by all " \
         "ranks alike" in done.stderr
+
+
+@pytest.mark.parametrize("mistake, told", [
+    ("ranks.sums_by_key({{0, -1, -1, -1}}, ranks.is_root() ? std::vector<std::int64_t>{} : "
+     "std::vector<std::int64_t>{1})", "1 keys have 0 values; expected one for each"),
+    ("ranks.visit_undeformed(ranks.is_root() ? 9 : 0, [](const MeasureRanks::UndeformedElement&) {})",
+     "there is no part 9")])
+def test_a_measure_that_asks_wrongly_on_one_rank_is_told_and_no_rank_waits(tmp_path, observed, mistake, told):
+    source = tmp_path / "unfit.cpp"
+    source.write_text(f"""
+#include <kerf/measure.hpp>
+using namespace kerf;
+struct Unfit final : Measure {{
+  static void describe(Schema<Unfit>&) {{}}
+  std::vector<std::string> references() const override {{ return {{}}; }}
+  MeasuredValues evaluate(const MeasureModel&, MeasureRanks& ranks) const override {{
+    {mistake};
+    return {{{{"", 1.0}}}};
+  }}
+}};
+KERF_REGISTER(KERF_TYPE(Unfit, "measure", "unfit", "asks wrongly on rank 0"))
+""")
+    library = compile_library(source, tmp_path / "unfit.so")
+    joined = observed.read_text().replace("boundaries:", """  more:
+    mesh: {type: block, size: "[20, 10, 10] mm", origin: "0 0 10 mm", cells: [8, 4, 4]}
+    material: metal
+    velocity: "[-150, 0, 0] m/s"
+joined: [{parts: [bar, more]}]
+measures: {bad: {type: unfit}}
+boundaries:""")
+    case = tmp_path / "joined.yaml"
+    case.write_text(joined[:joined.index("observers:")])
+    # A rank that waited for the other would end the run after the stall limit, with another exit code.
+    done = call(KERF, "run", case, "--plugin", library, "--ranks", 2, "--output", tmp_path / "out", "--set",
+                "time.maximum_cycles=3", "--set", "checks.stall_limit=60 s", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["measures"]["bad"] is None
+    assert f"measure bad (unfit) has failed: {told}" in summary["warnings"][-1]

@@ -18,7 +18,7 @@ README = (SOURCE / "README.md").read_text()
 CASES = sorted((SOURCE / "inputs").glob("*/README.md"))
 # The reference pages have a test of their own.
 PAGES = [*SOURCE.glob("*.md"), *CASES, SOURCE / "doc" / "README.md",
-         *(page for room in ("users", "theory", "plugin-authors", "developers")
+         *(page for room in ("users", "theory", "plugin-authors", "developers", "studies")
            for page in sorted((SOURCE / "doc" / room).glob("*.md")))]
 
 

@@ -88,7 +88,52 @@ def test_points_that_do_not_determine_the_factor_say_so():
     assert set(found.intervals.values()) == {None}
 
 
+@pytest.mark.parametrize("striking, residual", [
+    ([900.0, 1000.0, 1100.0], [800.0, 600.0, 500.0]), ([800.0, 1000.0, 1200.0, 1400.0], [700.0, 860.0, 1010.0, 1150.0]),
+    ([800.0, 1000.0, 1200.0], [400.0, 500.0, 600.0])])
+def test_points_without_a_limit_are_refused(striking, residual):
+    """Residual speeds in proportion, or more than that, come from a limit of zero."""
+    with pytest.raises(fits.Refused, match="the best fit has a limit of zero"):
+        fits.fit_ballistic_limit(striking, residual)
+
+
+def test_a_limit_that_the_points_say_little_of_has_no_interval():
+    found = fits.fit_ballistic_limit([800.0, 1000.0, 1200.0, 1400.0], [700.0, 860.0, 1010.0, 1150.0], p=None)
+    assert set(found.intervals.values()) == {None}
+    assert any("do not determine" in note for note in found.notes)
+
+
+def test_intervals_are_those_of_the_usual_formula():
+    """Standard errors as curve_fit gives them, for a problem that is well posed."""
+    from scipy.optimize import curve_fit
+    from scipy.stats import t
+    noisy = made() + np.array([2.0, -1.0, 1.5, -2.0, 1.0, -0.5])
+    found = fits.fit_ballistic_limit(SPEEDS, noisy)
+    best, covariance = curve_fit(lambda v, limit, a: fits.lambert_jonas(v, a, limit, 2.0), SPEEDS, noisy, [180.0, 0.9])
+    width = np.sqrt(np.diag(covariance)) * t.ppf(0.975, 4)
+    assert found.intervals["limit"] == pytest.approx((best[0] - width[0], best[0] + width[0]), rel=1e-4)
+    assert found.intervals["a"] == pytest.approx((best[1] - width[1], best[1] + width[1]), rel=1e-4)
+
+
+def test_a_striking_speed_of_zero_is_refused():
+    with pytest.raises(fits.Refused, match="striking speed of zero"):
+        fits.fit_ballistic_limit([0.0, 300.0, 400.0], [10.0, 200.0, 300.0])
+
+
 # ---- convergence
+
+def test_an_order_above_that_of_the_method_is_told():
+    found = fits.convergence((1.0, 2.0, 4.0), results((1.0, 2.0, 4.0), 4.0))[0]
+    assert found.order == pytest.approx(4.0) and "says that the meshes are not fine enough" in found.sentence()
+    # Factor 3, order 2: f = 5 + 3 h^4 at h = 1, 2.
+    assert found.index_fine == pytest.approx(3.0 * (48.0 - 3.0) / 8.0 / 3.0)
+    assert "not fine enough" not in fits.convergence((1.0, 2.0, 4.0), results((1.0, 2.0, 4.0), 2.1))[0].sentence()
+
+
+def test_a_result_of_zero_has_no_index():
+    found = fits.convergence((1.0, 2.0, 4.0), (0.0, 3.0, 15.0))[0]
+    assert found.index_fine is None and "none (finest mesh, whose result is 0)" in found.sentence()
+
 
 def results(sizes, order, exact=5.0, slope=3.0):
     return [exact + slope * h**order for h in sizes]

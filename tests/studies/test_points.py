@@ -177,3 +177,25 @@ def test_paths_lead_into_lists_and_tell_what_is_near(tmp_path):
 def test_the_same_point_twice_is_refused(tmp_path):
     with pytest.raises(StudyError, match="the point speed = 100.0 m/s is there twice|there twice"):
         points_of(tmp_path, "points: {type: grid, axes: {speed: [100 m/s, 100.0 m/s]}}\n")
+
+
+@pytest.mark.parametrize("parameters, point", [
+    ("{s: {path: \"parts.bar.velocity[2]\"}, v: parts.bar.velocity}", "{s: -200 m/s, v: 0 0 -50 m/s}"),
+    ("{v: parts.bar.velocity, s: {path: \"parts.bar.velocity[2]\"}}", "{v: 0 0 -50 m/s, s: -200 m/s}"),
+    ("{t: time.end, u: time.end}", "{t: 1 us, u: 2 us}")])
+def test_two_parameters_that_set_one_value_are_refused(tmp_path, parameters, point):
+    (tmp_path / "input.yaml").write_text(INPUT)
+    text = (f"input: input.yaml\nparameters: {parameters}\npoints: {{type: values, values: [{point}]}}\n"
+            "results: {b: energy.balance_error}\n")
+    (tmp_path / "study.yaml").write_text(text.replace("parts.bar", "parts.striker"))
+    done = sweep(tmp_path / "study.yaml", "--check")
+    assert done.returncode == 2 and "expected each value to be set once" in done.stderr, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("points", [
+    "points: {type: latin_hypercube, n: 1000000000000, seed: 1, ranges: {speed: {from: 1 m/s, to: 2 m/s}, "
+    "strength: {from: 1 MPa, to: 2 MPa}}}\n",
+    "points: {type: grid, axes: {speed: {from: 1 m/s, to: 2 m/s, count: 1000000000000}, strength: [1 MPa]}}\n"])
+def test_too_many_points_are_refused_before_they_are_made(tmp_path, points):
+    done = sweep(write(tmp_path, points), "--check")
+    assert done.returncode == 2 and "these are more than 100000 points; expected fewer" in done.stderr

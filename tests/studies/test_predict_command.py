@@ -13,7 +13,7 @@ from predict_scenes import STUDIES, sample_recording
 import loggp
 import prediction
 from networks import find_network, read_network
-from recording import read_recording, write_recording
+from recording import Moment, read_recording, write_recording
 from recording_check import mistakes_in
 
 
@@ -80,6 +80,13 @@ def test_re_balancing_costs_something_and_evens_the_work():
     assert outcome(recording, 8, "every:50").moves == 4
 
 
+def test_cycles_since_the_last_move_count_in_the_next_moment():
+    recording = sample_recording(n_moments=3)
+    assert sum(m.n_cycles for m in recording.moments) == 300
+    for interval in (70, 130, 299):
+        assert outcome(recording, 8, f"every:{interval}").moves == 300 // interval
+
+
 def test_a_network_without_time_leaves_only_waiting():
     recording = sample_recording()
     nothing = loggp.Network("nothing", loggp.Link())
@@ -108,15 +115,24 @@ def test_owners_of_kerf_partition(run_folder, tmp_path):
     (("--ranks", "0"), "--ranks: error: `0`; expected numbers as 2,4,8 or a range as 2..4096"),
     (("--ranks", "two"), "--ranks: error: `two`; expected numbers"),
     (("--policy", "sometimes"), "--policy: error: a policy `sometimes`; expected never, every:CYCLES or threshold:"),
+    (("--policy", "every:1.5"), "--policy: error: a policy `every:1.5`; expected"),
     (("--policy", "threshold:0.5"), "--policy: error: a policy `threshold:0.5`; expected"),
     (("--network", "carrier_pigeon"), "--network: error: there is no network `carrier_pigeon`; expected a file or one"),
     (("--method", "rcb"), "--method: error: there is no --partitions; expected a file of kerf partition"),
+    (("--partitions", "nowhere.h5", "--method", "rcb"), "nowhere.h5: error: the file cannot be read: "),
     (("--ranks", "60000"), "every number of ranks is greater than that of elements; expected fewer ranks")])
 def test_wrong_options_are_told(arguments, message, run_folder, tmp_path):
     done = predict(run_folder, "--output", tmp_path, *arguments)
     assert done.returncode == 2
     assert message in done.stderr
     assert not list(tmp_path.glob("predict*"))
+
+
+def test_a_folder_that_cannot_be_made_is_told(run_folder, tmp_path):
+    (tmp_path / "taken").write_text("")
+    done = predict(run_folder, "--ranks", 2, "--output", tmp_path / "taken")
+    assert done.returncode == 1, done.stderr
+    assert done.stderr == f"{tmp_path / 'taken'}: error: File exists; expected a folder that can be written\n"
 
 
 def test_a_file_that_is_no_recording_is_told(tmp_path):
@@ -176,3 +192,12 @@ def test_moments_must_follow_one_another(tmp_path):
     recording = sample_recording()
     recording.moments.reverse()
     assert any("expected at least" in line and "after the moment before" in line for line in mistakes_in(recording))
+
+
+@pytest.mark.parametrize("every, moves", [(20, 16), (50, 6), (7, 46), (322, 1), (323, 0)])
+def test_the_policy_every_moves_as_often_as_a_run(every, moves):
+    """322 cycles in ten moments; a run moves in the cycles that `every` divides."""
+    starts = np.linspace(1, 323, 11).astype(int)
+    found = [prediction.read_policy(f"every:{every}").moves(Moment(int(a), int(b - a), None, None, None), 1.0)
+             for a, b in zip(starts, starts[1:])]
+    assert sum(found) == moves

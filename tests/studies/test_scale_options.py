@@ -16,7 +16,8 @@ from test_slurm import cluster  # noqa: F401  # the fixture
     (["--slurm", "--side-by-side"], "--side-by-side needs this machine"),
     (["--slurm", "--template", "nowhere.sh"], "there is no file nowhere.sh"),
     (["--slurm", "--collect"], "not allowed with"), (["--weak", "parts.target.mesh.cell"], "did you mean `cells`?"),
-    (["--weak", "title"], "expected a number of cells or a length"),
+    (["--weak", "title"], "title makes no cells; expected `mesh`, the path of a key `cells`"),
+    (["--weak", "time.end"], "time.end makes no cells"), (["--launch", "mpirun '-n @RANKS@"], "No closing quotation"),
     (["--weak", "parts.striker.mesh.cells", "--ranks", "7,8"], "the mesh of 8 ranks is that of 7 ranks")])
 def test_wrong_arguments_are_refused(tmp_path, words, sentence):
     done = scale(write_input(tmp_path), *words, "--output", tmp_path / "out")

@@ -161,6 +161,15 @@ def test_a_summary_of_another_run_is_refused(tmp_path, change, message):
     assert "Traceback" not in done.stderr
 
 
+def test_a_mesh_that_does_not_grow_is_no_weak_scaling(tmp_path):
+    """Twice the ranks, and the same elements."""
+    environment, options = made_up(tmp_path, {1: summary(1, 8.0, 8.0, 8.0), 4: summary(4, 5.0, 4.0, 4.5)})
+    done = scale(write_input(tmp_path), "--ranks", "1,4", "--repeats", "1", "--weak", "mesh", *options, "--output",
+                 tmp_path / "out", environment=environment)
+    assert done.returncode == 3 and "the mesh of 4 ranks has 100 elements" in done.stderr, done.stdout + done.stderr
+    assert "expected about 400: --weak must name all that makes cells" in done.stderr
+
+
 def test_a_launcher_that_starts_always_the_same_is_refused(tmp_path):
     done = scale(write_input(tmp_path), "--ranks", "1,2", "--launch", "mpirun -n 1", "--output", tmp_path / "out")
     assert done.returncode == 2 and "expected a command with @RANKS@" in done.stderr
@@ -177,6 +186,15 @@ def test_a_run_that_fails_stands_in_the_table(tmp_path):
     assert row(content, 2)["completed"] == 0 and "speed_up" not in row(content, 2)
     assert row(content, 4)["speed_up"] == pytest.approx(3.2)
     assert "made to fail" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_a_launcher_that_is_not_there_is_told(tmp_path):
+    environment, _ = made_up(tmp_path, {2: summary(2, 5.0, 4.0, 4.5)})
+    done = scale(write_input(tmp_path), "--ranks", "2", "--no-counts", "--launch", "no_such_launcher -n @RANKS@",
+                 "--output", tmp_path / "out", environment=environment)
+    assert done.returncode == 1
+    assert "no_such_launcher: error: the command cannot be started: No such file or directory; expected a program" in \
+        done.stderr
 
 
 def test_an_input_that_is_wrong_fails_in_every_run(tmp_path):

@@ -109,6 +109,20 @@ def test_a_job_that_is_in_the_queue_is_not_submitted_again(tmp_path, cluster):
     assert done.returncode == 1 and "job 4711 of this study is still in the queue" in done.stderr
 
 
+def test_a_folder_with_a_blank_is_refused(tmp_path):
+    folder = tmp_path / "with a blank"
+    folder.mkdir()
+    done = sweep(write(folder, POINTS), "--slurm")
+    assert done.returncode == 1 and "cannot name a folder with a blank; expected another --output" in done.stderr
+
+
+def test_the_folder_of_another_study_is_refused(tmp_path):
+    assert sweep(write(tmp_path, POINTS), "--slurm").returncode == 0
+    (tmp_path / "other").mkdir()
+    done = sweep(write(tmp_path / "other", POINTS), "--slurm", "--output", tmp_path / "out")
+    assert done.returncode == 1 and f"has the results of {tmp_path / 'study.yaml'}; expected another" in done.stderr
+
+
 def test_a_template_of_the_user_is_filled_in(tmp_path):
     (tmp_path / "mine.sh").write_text("#!/bin/bash\n#SBATCH --array=@ARRAY@ --account=steel\nmodule load kerf\n@RUN@\n")
     study = write(tmp_path, POINTS, "slurm: {template: mine.sh, launch: mpiexec -n @RANKS@}\nranks: 4\n")

@@ -70,8 +70,8 @@ class BalancePolicy : public Plugin {
   /// Reads what the policy needs, when the input is read. Returns what is wrong, as whole lines such as "moves.csv:7:
   /// error: ...". Called on all ranks.
   virtual std::vector<std::string> prepare(const InputFiles& /*files*/) { return {}; }
-  /// Cycles between two questions: each costs two messages to all ranks. 0 for a policy that never moves. Asked once,
-  /// on all ranks, before the first question and after restore().
+  /// Cycles between two questions: each costs a message of rank 0 to all ranks. 0 for a policy that never moves. Asked
+  /// once, on all ranks, before the first question and after restore().
   virtual std::int64_t check_interval() const = 0;
   /// Whether to re-balance after this cycle. Asked on rank 0, whose answer all ranks follow. An exception stops the run
   /// on all ranks with the policy's name: throw std::runtime_error with a sentence.
