@@ -29,7 +29,7 @@ struct MeshBlock {
   FilePlace place;
 };
 
-/// Nodes that the file names.
+/// Nodes that the file names. Gmsh lets a surface have the name of a volume: names may occur twice.
 struct MeshNodeSet {
   std::string name;
   std::int64_t label = 0;
@@ -52,9 +52,12 @@ struct FileMesh {
   std::vector<std::int64_t> cell_labels;  // per cell
   std::vector<FilePlace> cell_places;  // per cell, or empty
   std::vector<MeshBlock> blocks;
+  std::vector<MeshBlock> cell_sets;  // further sets of cells, which may overlap: sets of elements of Abaqus
   std::vector<MeshNodeSet> node_sets;
   std::vector<MeshFaceSet> face_sets;
-  std::map<std::string, std::int64_t> left_out;  // how many elements of which kind are no solids
+  std::map<std::string, std::int64_t> left_out;  // how many elements of which kind are neither cells nor in a set
+  bool labels_repeat =
+      false;  // whether labels may occur twice, as instances of Abaqus number their own nodes and cells
   std::string format;  // "Gmsh 4.1, binary", for messages
 
   const MeshBlock* block(std::string_view name) const;
@@ -82,11 +85,13 @@ FileMesh read_abaqus(const MeshFileText& file, Diagnostics& diagnostics);
 /// keep their names. A file that cannot be opened is an error at its name. Local.
 FileMesh read_exodus(const std::string& path, Diagnostics& diagnostics);
 
-/// Whichever of the above the ending of the name and the first bytes tell: .msh, .inp, .exo, .e, .g, .ex2. Local.
+/// Whichever of the above the ending of the name and the first bytes tell: .msh, .inp, .exo, .e, .g, .ex2. Where the
+/// reader finds no mistake, check_mesh looks for more. Post: the mesh is sound where `diagnostics` has no new errors.
+/// Local.
 FileMesh read_mesh_file(const std::string& path, Diagnostics& diagnostics);
 
 /// What no reader can have meant: cells with nodes that do not exist, labels that occur twice, cells in two blocks or
-/// in none, blocks without cells. Added to `diagnostics`, at most twenty of each kind. Local.
+/// in none, cells of the same nodes, blocks without cells. Added to `diagnostics`, at most twenty of each kind. Local.
 void check_mesh(const FileMesh& mesh, const std::string& name, Diagnostics& diagnostics);
 
 }  // namespace kerf
