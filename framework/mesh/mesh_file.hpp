@@ -1,67 +1,15 @@
-// A mesh as a file describes it, in memory and free of any format, and the readers that make it.
+// The readers of files of meshes.
 //
-// Nodes and cells are numbered from 0 in the order of the file; the numbers that the file gives them are their labels.
 // A reader keeps what Kerf can compute, the solids, and counts the rest by name, so that nothing is left out unseen.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/diagnostics.hpp"
+#include "kerf/file_mesh.hpp"
 
 namespace kerf {
-
-/// Where something stands in a file, for messages; the line is 0 in files that have no lines.
-struct FilePlace {
-  std::int32_t line = 0, column = 0;
-};
-
-/// Cells of one kind that the file puts together: a block of Exodus, a physical volume of Gmsh, a set of elements of
-/// Abaqus, a part of a deck.
-struct MeshBlock {
-  std::string name;  // as the file calls it; its number where the file has no name for it
-  std::int64_t label = 0;
-  std::vector<std::int32_t> cells;  // ascending
-  FilePlace place;
-};
-
-/// Nodes that the file names. Gmsh lets a surface have the name of a volume: names may occur twice.
-struct MeshNodeSet {
-  std::string name;
-  std::int64_t label = 0;
-  std::vector<std::int32_t> nodes;  // ascending, each once
-};
-
-/// Faces that the file names, by their corners; a triangle repeats its last corner. They need not be faces of cells.
-struct MeshFaceSet {
-  std::string name;
-  std::int64_t label = 0;
-  std::vector<std::array<std::int32_t, 4>> faces;
-};
-
-struct FileMesh {
-  std::vector<std::array<double, 3>> points;  // per node, in the unit of the file
-  std::vector<std::int64_t> node_labels;  // per node
-  /// Per cell: eight nodes in the order of Kerf's hexahedron, where corners that coincide stand for a wedge, a pyramid
-  /// or a tetrahedron: wedge 0 1 2 2 3 4 5 5, pyramid 0 1 2 3 4 4 4 4, tetrahedron 0 1 2 2 3 3 3 3.
-  std::vector<std::array<std::int32_t, 8>> cells;
-  std::vector<std::int64_t> cell_labels;  // per cell
-  std::vector<FilePlace> cell_places;  // per cell, or empty
-  std::vector<MeshBlock> blocks;
-  std::vector<MeshBlock> cell_sets;  // further sets of cells, which may overlap: sets of elements of Abaqus
-  std::vector<MeshNodeSet> node_sets;
-  std::vector<MeshFaceSet> face_sets;
-  std::map<std::string, std::int64_t> left_out;  // how many elements of which kind are neither cells nor in a set
-  bool labels_repeat =
-      false;  // whether labels may occur twice, as instances of Abaqus number their own nodes and cells
-  std::string format;  // "Gmsh 4.1, binary", for messages
-
-  const MeshBlock* block(std::string_view name) const;
-};
 
 /// What a reader is given: the bytes of the file and what messages call it.
 struct MeshFileText {

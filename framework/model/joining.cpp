@@ -11,6 +11,8 @@
 
 #include "core/assert.hpp"
 #include "core/diagnostics.hpp"
+#include "input/placement.hpp"
+#include "model/common_nodes.hpp"
 #include "model/migrator.hpp"
 #include "model/model.hpp"
 #include "parallel/communicator.hpp"
@@ -120,6 +122,39 @@ std::int32_t part_of_mesh_node(const Model& model, std::int64_t id) {
   return static_cast<std::int32_t>(at - model.parts.begin()) - 1;
 }
 
+/// Where a node of the parts' meshes stands once its part is placed [m].
+Vec3 placed_node(const Model& model, std::int64_t id) {
+  const PartModel& part = model.parts[index(part_of_mesh_node(model, id))];
+  return part.placement->apply(part.input->mesh->node(id - part.first_node));
+}
+
+/// Pairs of nodes of a bundle that are one node of the mesh that their parts are taken from; `taken` gets a mark for
+/// each. Throws where two parts place the same node differently. Collective.
+std::vector<IdPair> nodes_of_whole_meshes(const Model& model, const std::vector<NodeRecord>& nodes,
+                                          std::vector<char>& taken) {
+  std::vector<IdPair> pairs;
+  std::string trouble;
+  for (const CommonNodes& common : common_nodes(model))
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const NodeRecord& n = nodes[k];
+      if (!std::binary_search(common.parts.begin(), common.parts.end(), n.part)) continue;
+      const PartModel& part = model.parts[index(n.part)];
+      const auto node = static_cast<std::size_t>(part.input->mesh->node_of_whole(n.id - part.first_node));
+      if (common.is_shared[node] == 0) continue;
+      taken[k] = 1;
+      const std::int64_t first = common.first[node];
+      if (first == n.id) continue;
+      pairs.push_back({first, n.id, part_of_mesh_node(model, first), n.part});
+      if (trouble.empty() && norm(placed_node(model, first) - placed_node(model, n.id)) > 0.0)
+        trouble = fmt::format("{}: error: parts {} and {} share node {} of their file and place it differently; expected "
+                              "the same `placement` and `unit`",
+                              part.input->mesh->origin, model.parts[index(pairs.back().low_part)].input->name,
+                              part.input->name, part.input->mesh->node_label(n.id - part.first_node));
+    }
+  if (trouble = first_text(model.comm, trouble); !trouble.empty()) throw InputError({trouble});
+  return pairs;
+}
+
 /// Throws where two nodes of one part became one, which makes cells of no volume. Collective.
 void refuse_folded_parts(const Model& model, const std::vector<Joint>& joints) {
   const MergedIds& ids = model.shared.ids;
@@ -152,7 +187,7 @@ void refuse_folded_parts(const Model& model, const std::vector<Joint>& joints) {
     errors.push_back(
         fmt::format("{}: error: nodes of part {} would become one node of its own, {} of them; expected a "
                     "smaller `tolerance`",
-                    at->origin, model.parts[p].input->name, n_folded[p]));
+                    at == joints.end() ? model.parts[p].input->mesh->origin : at->origin, model.parts[p].input->name, n_folded[p]));
   }
   if (!errors.empty()) throw InputError(errors);
 }
@@ -286,18 +321,23 @@ Vec3 common_velocity(const Model& model, std::int64_t node) {
 }  // namespace
 
 void number_bodies(Model& model) {
+  std::vector<std::vector<std::int32_t>> groups;  // of parts that are joined
+  for (const auto& joint : model.input->joined) {
+    groups.emplace_back();
+    for (const std::string& name : joint->parts) groups.back().push_back(part_named(model, name));
+  }
+  for (const auto& [first, second] : parts_with_common_nodes(model)) groups.push_back({first, second});
+  model.set_joined_parts(!groups.empty());
   const auto n = static_cast<std::int32_t>(model.parts.size());
   for (std::int32_t p = 0; p < n; ++p) model.parts[index(p)].body = p;
   for (bool changed = true; changed;) {
     changed = false;
-    for (const auto& joint : model.input->joined) {
+    for (const std::vector<std::int32_t>& group : groups) {
       std::int32_t lowest = n;
-      for (const std::string& name : joint->parts)
-        lowest = std::min(lowest, model.parts[index(part_named(model, name))].body);
-      for (const std::string& name : joint->parts) {
-        std::int32_t& body = model.parts[index(part_named(model, name))].body;
-        changed = changed || body != lowest;
-        body = lowest;
+      for (const std::int32_t p : group) lowest = std::min(lowest, model.parts[index(p)].body);
+      for (const std::int32_t p : group) {
+        changed = changed || model.parts[index(p)].body != lowest;
+        model.parts[index(p)].body = lowest;
       }
     }
   }
@@ -315,7 +355,7 @@ std::vector<std::int64_t> join_parts(Model& model, ModelBundle& bundle, const st
   const std::vector<Joint> joints = resolve_joints(model, shortest_edges);
   const std::vector<double> boxes = boxes_of_parts(model, bundle.nodes);
   std::vector<char> taken(bundle.nodes.size(), 0);
-  std::vector<IdPair> pairs;
+  std::vector<IdPair> pairs = nodes_of_whole_meshes(model, bundle.nodes, taken);
   for (const Joint& joint : joints) {
     const std::vector<JointNode> near = nodes_near_others(joint, bundle.nodes, boxes, taken);
     const std::vector<IdPair> found = coincident_nodes(model.comm, near, joint.tolerance, joint.cube);

@@ -1,4 +1,5 @@
-// Joins parts: nodes of their undeformed meshes that lie at one place become one node, which the parts share.
+// Joins parts: nodes of their undeformed meshes that lie at one place, or that are one node of the file that the parts
+// are taken from, become one node, which the parts share.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,7 @@ struct SharedNodes {
   std::vector<NodeShare> shares;  // of nodes whose id modulo the number of ranks is this rank; by node, then by part
 };
 
-/// Finds out which parts make up one body, because the input joins them. Local.
+/// Finds out which parts make up one body, because the input joins them or they share nodes of a file. Local.
 void number_bodies(Model& model);
 
 /// Merges the nodes of a freshly generated bundle as the input says, and renumbers all. A merged node has the position

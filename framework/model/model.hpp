@@ -89,7 +89,9 @@ struct Model {
   bool belongs_to(int node, std::int32_t part) const;
   /// Part of an element, by its id.
   std::int32_t part_of_element(std::int64_t id) const;
-  bool has_joined_parts() const { return !input->joined.empty(); }
+  /// Whether parts may share nodes.
+  bool has_joined_parts() const { return has_joined_parts_; }
+  void set_joined_parts(bool joined) { has_joined_parts_ = joined; }
   /// Local index of a node id, -1 where this rank has no copy.
   std::int32_t local_node(std::int64_t id) const;
   /// To be called whenever local nodes came, went or changed places.
@@ -98,6 +100,7 @@ struct Model {
   std::int64_t node_arrangement() const { return node_arrangement_; }
 
  private:
+  bool has_joined_parts_ = false;
   std::vector<std::int32_t> by_id_;  // local nodes in the order of their ids
   std::int64_t node_arrangement_ = 0;
   int n_ranks_ = 1, rank_ = 0;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "kerf/input_files.hpp"
 #include "kerf/plugin.hpp"
 
 namespace kerf {
@@ -37,15 +38,6 @@ struct BalanceReasons {
   double saving = std::numeric_limits<double>::quiet_NaN();  // of the slowest rank, in element cycles
   double cost = std::numeric_limits<double>::quiet_NaN();  // of a re-balance, in element cycles
   std::string reason;  // a word or a few, without commas
-};
-
-/// Files that an input names.
-class InputFiles {
- public:
-  virtual ~InputFiles() = default;
-  /// The text of a file, named relative to the input file; the same on all ranks. Sets `path` to what messages call it.
-  /// Where it cannot be read, sets `failure` to a sentence.
-  virtual std::string read(const std::string& name, std::string& path, std::string& failure) const = 0;
 };
 
 /// What a policy sees after a cycle.
@@ -86,4 +78,4 @@ class BalancePolicy : public Plugin {
 }  // namespace kerf
 
 KERF_SIZES(balance_policy, KERF_SIZE(BalanceMove), KERF_SIZE(MoveCost), KERF_SIZE(BalanceReasons),
-           KERF_SIZE(InputFiles), KERF_SIZE(BalanceState), KERF_SIZE(BalancePolicy))
+           KERF_SIZE(BalanceState), KERF_SIZE(BalancePolicy))

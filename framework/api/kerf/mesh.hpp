@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "kerf/input_files.hpp"
 #include "kerf/schema.hpp"
 #include "kerf/shape.hpp"
 
@@ -16,6 +17,9 @@ namespace kerf {
 
 class MeshGenerator : public Plugin {
  public:
+  /// Reads the files that the parameters name. Returns whole lines "place: error: sentence"; empty where all is well.
+  /// Called once, before prepare(), on every rank with the same files.
+  virtual std::vector<std::string> load(const InputFiles& /*files*/) { return {}; }
   /// Checks the parameters against one another and builds what the numbering needs (grading, section).
   /// Returns sentences that say what is wrong; empty where all is well. Called once, on every rank.
   virtual std::vector<std::string> prepare() = 0;
@@ -32,6 +36,15 @@ class MeshGenerator : public Plugin {
   virtual std::vector<std::string> face_names() const = 0;
   /// Whether a node lies on a named face (index into face_names()).
   virtual bool on_face(std::int64_t i, int face) const = 0;
+
+  /// The mesh that this one is a part of, such as that of a file; null where it stands alone. Parts of one mesh share
+  /// the nodes that have the same number in it.
+  virtual const void* whole_mesh() const { return nullptr; }
+  /// The number of a node in the whole mesh; different nodes have different numbers.
+  virtual std::int64_t node_of_whole(std::int64_t i) const { return i; }
+  /// What the user calls a node or an element.
+  virtual std::int64_t node_label(std::int64_t i) const { return i; }
+  virtual std::int64_t element_label(std::int64_t e) const { return e; }
 };
 
 }  // namespace kerf

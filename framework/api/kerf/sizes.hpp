@@ -19,6 +19,8 @@ enum class ApiHeader {
   plugin,
   curve,
   expression,
+  file_mesh,
+  input_files,
   shape,
   law,
   law_use,

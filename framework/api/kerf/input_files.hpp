@@ -1,0 +1,26 @@
+// Files that an input names, as plugins get them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kerf/file_mesh.hpp"
+#include "kerf/sizes.hpp"
+
+namespace kerf {
+
+class InputFiles {
+ public:
+  virtual ~InputFiles() = default;
+  /// The text of a file, named relative to the input file; the same on all ranks. Sets `path` to what messages call it.
+  /// Where it cannot be read, sets `failure` to a sentence.
+  virtual std::string read(const std::string& name, std::string& path, std::string& failure) const = 0;
+  /// The mesh of a file, named relative to the input file; the same on all ranks, and the same object for the same file.
+  /// Null where the file cannot be read: `complaints` gets the lines that say why, each with its place.
+  virtual std::shared_ptr<const FileMesh> mesh(const std::string& name, std::vector<std::string>& complaints) const = 0;
+};
+
+}  // namespace kerf
+
+KERF_SIZES(input_files, KERF_SIZE(InputFiles))
