@@ -41,10 +41,7 @@ FileMesh read_by_kind(const std::string& path, Diagnostics& diagnostics) {
     errors.at({}, "file", "the file cannot be read; expected a mesh of Gmsh, Abaqus or Exodus");
     return {};
   }
-  if (begins_exodus(bytes)) {
-    bytes = {};  // the library reads by itself
-    return read_exodus(path, diagnostics);
-  }
+  if (begins_exodus(bytes)) return read_exodus({bytes, path}, diagnostics);
   if (ending == ".msh" || bytes.starts_with("$MeshFormat")) return read_gmsh({bytes, path}, diagnostics);
   if (ending == ".inp") return read_abaqus({bytes, path}, diagnostics);
   errors.at({}, "file",

@@ -29,9 +29,9 @@ FileMesh read_gmsh(const MeshFileText& file, Diagnostics& diagnostics);
 /// before names as "instance.set". Other keywords are left alone, materials and steps among them. Local.
 FileMesh read_abaqus(const MeshFileText& file, Diagnostics& diagnostics);
 
-/// Exodus II, through libexodus. Blocks are element blocks of HEX8, WEDGE6, PYRAMID5 and TET4; node sets and side sets
-/// keep their names. A file that cannot be opened is an error at its name. Local.
-FileMesh read_exodus(const std::string& path, Diagnostics& diagnostics);
+/// Exodus II in any netCDF format, classic ones and netCDF-4. Blocks are element blocks of HEX8, WEDGE6, PYRAMID5 and
+/// TETRA4 that have elements; node sets and side sets keep their names. Messages name no line. Local.
+FileMesh read_exodus(const MeshFileText& file, Diagnostics& diagnostics);
 
 /// Whichever of the above the ending of the name and the first bytes tell: .msh, .inp, .exo, .e, .g, .ex2. Where the
 /// reader finds no mistake, check_mesh looks for more. Post: the mesh is sound where `diagnostics` has no new errors.
