@@ -9,6 +9,7 @@
 
 #include "input/balance_keys.hpp"
 #include "input/binder.hpp"
+#include "input/files_of_input.hpp"
 #include "input/substitute.hpp"
 #include "input/work_model_file.hpp"
 #include "input/yaml_reader.hpp"
@@ -70,28 +71,10 @@ Node materials_of(const Node& root) {
   return block;
 }
 
-/// A file named in the input is relative to the input's folder, one named on the command line to the present one.
-std::string path_from(const std::string& origin, const std::string& folder, const std::string& name) {
-  return (std::filesystem::path(origin.starts_with("--") ? "" : folder) / name).lexically_normal().string();
-}
-
-class FilesOfInput final : public InputFiles {
- public:
-  FilesOfInput(std::string origin, std::string folder, const FileReader& read)
-      : origin_(std::move(origin)), folder_(std::move(folder)), read_(read) {}
-  std::string read(const std::string& name, std::string& path, std::string& failure) const override {
-    path = path_from(origin_, folder_, name);
-    return read_(path, failure);
-  }
-
- private:
-  std::string origin_, folder_;
-  const FileReader& read_;
-};
-
 /// Reads the files that the block `balance` names.
 void read_balance_files(BalanceInput& balance, const std::string& folder, const FileReader& read,
-                        const Registry& registry, const OriginMap& origins, Diagnostics& diagnostics) {
+                        const Registry& registry, const OriginMap& origins, MeshCache& meshes,
+                        Diagnostics& diagnostics) {
   if (!balance.work_model.empty()) {
     const Origin where = origins.find("balance.work_model");
     balance.work =
@@ -102,8 +85,18 @@ void read_balance_files(BalanceInput& balance, const std::string& folder, const 
     balance.foresee = path_from(balance.foresee_origin, folder, balance.foresee);
   }
   if (!balance.policy) return;
-  const FilesOfInput files(balance.policy->origin, folder, read);
+  const FilesOfInput files(balance.policy->origin, folder, read, meshes);
   for (const std::string& line : balance.policy->prepare(files)) diagnostics.error_line(line);
+}
+
+/// Reads the files that meshes of parts name.
+void load_meshes(const ModelInput& model, const std::string& folder, const FileReader& read, MeshCache& meshes,
+                 Diagnostics& diagnostics) {
+  for (const auto& part : model.parts) {
+    if (!part || !part->mesh) continue;
+    const FilesOfInput files(part->mesh->origin, folder, read, meshes);
+    for (const std::string& line : part->mesh->load(files)) diagnostics.error_line(line);
+  }
 }
 
 }  // namespace
@@ -134,10 +127,14 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
   for (std::size_t k = 0; k < model->joined.size(); ++k)
     model->joined[k]->origin = origins.find("joined[" + std::to_string(k) + "].parts").text();
   curves.finish();
-  read_balance_files(model->balance, folder, read, registry, origins, diagnostics);
+  MeshCache meshes;
+  read_balance_files(model->balance, folder, read, registry, origins, meshes, diagnostics);
+  load_meshes(*model, folder, read, meshes, diagnostics);
   const bool observers_act = std::any_of(model->observers.begin(), model->observers.end(),
                                          [](const auto& o) { return o && o->calls().forces; });
-  model->digest = physics_digest(*root, curves.file_texts(), observers_act);
+  std::vector<std::string> texts = curves.file_texts();
+  texts.insert(texts.end(), meshes.digests.begin(), meshes.digests.end());
+  model->digest = physics_digest(*root, texts, observers_act);
   for (std::size_t i = 0; i < model->initial_states.size(); ++i)
     model->initial_states[i]->origin = origins.find("initial_state[" + std::to_string(i) + "]").text();
   model->end_origin = origins.find("time.end").text();

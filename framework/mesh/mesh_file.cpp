@@ -33,17 +33,12 @@ bool begins_exodus(std::string_view bytes) {
   return bytes.starts_with("CDF") || bytes.starts_with("\x89HDF\r\n\x1a\n");
 }
 
-FileMesh read_by_kind(const std::string& path, Diagnostics& diagnostics) {
-  MeshErrors errors(path, diagnostics);
-  std::string bytes;
-  const std::string ending = ending_of(path);
-  if (!read_bytes(path, bytes)) {
-    errors.at({}, "file", "the file cannot be read; expected a mesh of Gmsh, Abaqus or Exodus");
-    return {};
-  }
-  if (begins_exodus(bytes)) return read_exodus({bytes, path}, diagnostics);
-  if (ending == ".msh" || bytes.starts_with("$MeshFormat")) return read_gmsh({bytes, path}, diagnostics);
-  if (ending == ".inp") return read_abaqus({bytes, path}, diagnostics);
+FileMesh read_by_kind(const MeshFileText& file, Diagnostics& diagnostics) {
+  const std::string ending = ending_of(file.name);
+  if (begins_exodus(file.bytes)) return read_exodus(file, diagnostics);
+  if (ending == ".msh" || file.bytes.starts_with("$MeshFormat")) return read_gmsh(file, diagnostics);
+  if (ending == ".inp") return read_abaqus(file, diagnostics);
+  MeshErrors errors(file.name, diagnostics);
   errors.at({}, "file",
             "neither the name nor the first bytes tell what this is; expected a mesh of Gmsh (.msh), Abaqus "
             "(.inp) or Exodus (.exo, .ex2, .e, .g)");
@@ -144,11 +139,19 @@ const MeshBlock* FileMesh::block(std::string_view name) const {
   return found == blocks.end() ? nullptr : &*found;
 }
 
-FileMesh read_mesh_file(const std::string& path, Diagnostics& diagnostics) {
+FileMesh read_mesh(const MeshFileText& file, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.errors().size();
-  FileMesh mesh = read_by_kind(path, diagnostics);
-  if (diagnostics.errors().size() == before) check_mesh(mesh, path, diagnostics);
+  FileMesh mesh = read_by_kind(file, diagnostics);
+  if (diagnostics.errors().size() == before) check_mesh(mesh, file.name, diagnostics);
   return mesh;
+}
+
+FileMesh read_mesh_file(const std::string& path, Diagnostics& diagnostics) {
+  std::string bytes;
+  if (read_bytes(path, bytes)) return read_mesh({bytes, path}, diagnostics);
+  MeshErrors errors(path, diagnostics);
+  errors.at({}, "file", "the file cannot be read; expected a mesh of Gmsh, Abaqus or Exodus");
+  return {};
 }
 
 void check_mesh(const FileMesh& mesh, const std::string& name, Diagnostics& diagnostics) {

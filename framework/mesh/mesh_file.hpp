@@ -36,6 +36,8 @@ FileMesh read_exodus(const MeshFileText& file, Diagnostics& diagnostics);
 /// Whichever of the above the ending of the name and the first bytes tell: .msh, .inp, .exo, .e, .g, .ex2. Where the
 /// reader finds no mistake, check_mesh looks for more. Post: the mesh is sound where `diagnostics` has no new errors.
 /// Local.
+FileMesh read_mesh(const MeshFileText& file, Diagnostics& diagnostics);
+/// The same for a file of this machine. Local.
 FileMesh read_mesh_file(const std::string& path, Diagnostics& diagnostics);
 
 /// What no reader can have meant: cells with nodes that do not exist, labels that occur twice, cells in two blocks or

@@ -146,10 +146,11 @@ std::vector<IdPair> nodes_of_whole_meshes(const Model& model, const std::vector<
       if (first == n.id) continue;
       pairs.push_back({first, n.id, part_of_mesh_node(model, first), n.part});
       if (trouble.empty() && norm(placed_node(model, first) - placed_node(model, n.id)) > 0.0)
-        trouble = fmt::format("{}: error: parts {} and {} share node {} of their file and place it differently; expected "
-                              "the same `placement` and `unit`",
-                              part.input->mesh->origin, model.parts[index(pairs.back().low_part)].input->name,
-                              part.input->name, part.input->mesh->node_label(n.id - part.first_node));
+        trouble = fmt::format(
+            "{}: error: parts {} and {} share node {} of their file and place it differently; expected "
+            "the same `placement` and `unit`",
+            part.input->mesh->origin, model.parts[index(pairs.back().low_part)].input->name, part.input->name,
+            part.input->mesh->node_label(n.id - part.first_node));
     }
   if (trouble = first_text(model.comm, trouble); !trouble.empty()) throw InputError({trouble});
   return pairs;
@@ -184,10 +185,10 @@ void refuse_folded_parts(const Model& model, const std::vector<Joint>& joints) {
     const auto at = std::find_if(joints.begin(), joints.end(), [&](const Joint& j) {
       return std::find(j.parts.begin(), j.parts.end(), static_cast<std::int32_t>(p)) != j.parts.end();
     });
-    errors.push_back(
-        fmt::format("{}: error: nodes of part {} would become one node of its own, {} of them; expected a "
-                    "smaller `tolerance`",
-                    at == joints.end() ? model.parts[p].input->mesh->origin : at->origin, model.parts[p].input->name, n_folded[p]));
+    errors.push_back(fmt::format(
+        "{}: error: nodes of part {} would become one node of its own, {} of them; expected a "
+        "smaller `tolerance`",
+        at == joints.end() ? model.parts[p].input->mesh->origin : at->origin, model.parts[p].input->name, n_folded[p]));
   }
   if (!errors.empty()) throw InputError(errors);
 }

@@ -13,6 +13,8 @@
 #include "kerf/curve.hpp"
 #include "kerf/element.hpp"
 #include "kerf/expression.hpp"
+#include "kerf/file_mesh.hpp"
+#include "kerf/input_files.hpp"
 #include "kerf/law_use.hpp"
 #include "kerf/load.hpp"
 #include "kerf/manifest.hpp"

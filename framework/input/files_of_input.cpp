@@ -1,0 +1,58 @@
+// Reads files through the reader of the input, which gives the same bytes on all ranks.
+#include "input/files_of_input.hpp"
+
+#include <filesystem>
+#include <limits>
+
+#include "core/diagnostics.hpp"
+#include "core/units.hpp"
+#include "input/document.hpp"
+#include "mesh/mesh_file.hpp"
+
+namespace kerf {
+
+namespace {
+
+MeshCache::Entry read_entry(const std::string& path, const FileReader& read, std::string& digest) {
+  std::string failure;
+  const std::string bytes = read(path, failure);
+  if (!failure.empty()) return {nullptr, {path + ": error: the file cannot be read: " + failure + "; expected a mesh"}};
+  Digest hash;
+  hash.add(bytes);
+  digest = std::to_string(hash.value());
+  Diagnostics diagnostics;
+  FileMesh mesh = read_mesh({bytes, path}, diagnostics);
+  if (diagnostics.has_errors()) return {nullptr, diagnostics.errors()};
+  return {std::make_shared<const FileMesh>(std::move(mesh)), {}};
+}
+
+}  // namespace
+
+std::string path_from(const std::string& origin, const std::string& folder, const std::string& name) {
+  return (std::filesystem::path(origin.starts_with("--") ? "" : folder) / name).lexically_normal().string();
+}
+
+std::string FilesOfInput::read(const std::string& name, std::string& path, std::string& failure) const {
+  path = path_from(origin_, folder_, name);
+  return read_(path, failure);
+}
+
+std::shared_ptr<const FileMesh> FilesOfInput::mesh(const std::string& name,
+                                                   std::vector<std::string>& complaints) const {
+  const std::string path = path_from(origin_, folder_, name);
+  auto at = meshes_.entries.find(path);
+  if (at == meshes_.entries.end()) {
+    std::string digest;
+    at = meshes_.entries.emplace(path, read_entry(path, read_, digest)).first;
+    meshes_.digests.push_back(digest);
+    complaints.insert(complaints.end(), at->second.complaints.begin(), at->second.complaints.end());
+  }
+  return at->second.mesh;
+}
+
+double FilesOfInput::metres(const std::string& unit) const {
+  const Quantity one = to_si("1 " + unit, "m");
+  return one.ok() ? one.value : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace kerf

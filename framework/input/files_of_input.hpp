@@ -1,0 +1,42 @@
+// What plugins get of the files that an input names; meshes are read once, however many parts are taken from them.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "input/curve_table.hpp"
+#include "kerf/input_files.hpp"
+
+namespace kerf {
+
+/// The meshes of files that an input has named so far, by path.
+struct MeshCache {
+  struct Entry {
+    std::shared_ptr<const FileMesh> mesh;  // null where the file is no mesh
+    std::vector<std::string> complaints;
+  };
+  std::map<std::string, Entry> entries;
+  std::vector<std::string> digests;  // of the bytes of each file, in the order of reading
+};
+
+/// A file named in the input is relative to the input's folder, one named on the command line to the present one.
+std::string path_from(const std::string& origin, const std::string& folder, const std::string& name);
+
+class FilesOfInput final : public InputFiles {
+ public:
+  /// `origin` is where the input names the files, `folder` that of the input.
+  FilesOfInput(std::string origin, std::string folder, const FileReader& read, MeshCache& meshes)
+      : origin_(std::move(origin)), folder_(std::move(folder)), read_(read), meshes_(meshes) {}
+  std::string read(const std::string& name, std::string& path, std::string& failure) const override;
+  std::shared_ptr<const FileMesh> mesh(const std::string& name, std::vector<std::string>& complaints) const override;
+  double metres(const std::string& unit) const override;
+
+ private:
+  std::string origin_, folder_;
+  const FileReader& read_;
+  MeshCache& meshes_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,151 @@
+// The mesh of a file: of Gmsh, Abaqus or Exodus, one block for each part.
+//
+// Parts of one file share the nodes of the file. Elements and nodes keep the order of the file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "kerf/mesh.hpp"
+
+namespace kerf {
+namespace {
+
+/// Corners that coincide: wedges, pyramids and tetrahedra are written as such cells.
+bool is_collapsed(const std::array<std::int32_t, 8>& cell) {
+  std::array<std::int32_t, 8> sorted = cell;
+  std::sort(sorted.begin(), sorted.end());
+  return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+}
+
+class MeshOfFile final : public MeshGenerator {
+ public:
+  std::string file, block, unit;
+
+  static void describe(Schema<MeshOfFile>& s) {
+    s.text(
+        &MeshOfFile::file, "file",
+        "file of Gmsh (.msh, 2.2 or 4.1), Abaqus (.inp) or Exodus II (.exo, .e, .g), named relative to the input file");
+    s.text(&MeshOfFile::unit, "unit", "unit of length of the file, such as mm");
+    s.text(&MeshOfFile::block, "block", "block of the file that is the part; not needed where the file has one only")
+        .optional();
+  }
+
+  std::vector<std::string> load(const InputFiles& files) override {
+    std::vector<std::string> complaints;
+    mesh_ = files.mesh(file, complaints);
+    scale_ = files.metres(unit);
+    if (!(std::isfinite(scale_) && scale_ > 0.0))
+      complaints.push_back(
+          fmt::format("{}: error: `unit` is \"{}\"; expected a unit of length, such as mm", origin, unit));
+    return complaints;
+  }
+
+  std::vector<std::string> prepare() override {
+    if (!mesh_) return {fmt::format("the mesh \"{}\" cannot be used; expected a file without mistakes", file)};
+    const MeshBlock* taken = chosen();
+    if (!taken)
+      return {fmt::format("{}; expected `block` to be one of {}",
+                          block.empty() ? fmt::format("\"{}\" has {} blocks", file, mesh_->blocks.size())
+                                        : fmt::format("\"{}\" has no block \"{}\"", file, block),
+                          names_of_blocks())};
+    cells_ = &taken->cells;
+    if (cells_->empty())
+      return {fmt::format("the block \"{}\" of \"{}\" is empty; expected elements", taken->name, file)};
+    for (const std::int32_t c : *cells_)
+      if (is_collapsed(mesh_->cells[static_cast<std::size_t>(c)]))
+        return {fmt::format("element {} of \"{}\" is a wedge, a pyramid or a tetrahedron; expected hexahedra",
+                            mesh_->cell_labels[static_cast<std::size_t>(c)], file)};
+    number_nodes();
+    name_faces();
+    return {};
+  }
+
+  std::int64_t n_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
+  std::int64_t n_elements() const override { return static_cast<std::int64_t>(cells_->size()); }
+  Vec3 node(std::int64_t i) const override {
+    const auto& x = mesh_->points[whole(i)];
+    return {x[0] * scale_, x[1] * scale_, x[2] * scale_};
+  }
+  ElementNodeIds element(std::int64_t e) const override {
+    ElementNodeIds ids{};
+    const auto& cell = mesh_->cells[whole_cell(e)];
+    for (std::size_t k = 0; k < 8; ++k) ids[k] = number_[static_cast<std::size_t>(cell[k])];
+    return ids;
+  }
+  std::vector<std::string> face_names() const override { return names_; }
+  bool on_face(std::int64_t i, int face) const override {
+    const std::vector<std::int32_t>& nodes = faces_[static_cast<std::size_t>(face)];
+    return std::binary_search(nodes.begin(), nodes.end(), nodes_[static_cast<std::size_t>(i)]);
+  }
+
+  const void* whole_mesh() const override { return mesh_.get(); }
+  std::int64_t node_of_whole(std::int64_t i) const override { return nodes_[static_cast<std::size_t>(i)]; }
+  std::int64_t node_label(std::int64_t i) const override { return mesh_->node_labels[whole(i)]; }
+  std::int64_t element_label(std::int64_t e) const override { return mesh_->cell_labels[whole_cell(e)]; }
+
+ private:
+  std::size_t whole(std::int64_t i) const { return static_cast<std::size_t>(nodes_[static_cast<std::size_t>(i)]); }
+  std::size_t whole_cell(std::int64_t e) const {
+    return static_cast<std::size_t>((*cells_)[static_cast<std::size_t>(e)]);
+  }
+
+  const MeshBlock* chosen() const {
+    if (!block.empty()) return mesh_->block(block);
+    return mesh_->blocks.size() == 1 ? &mesh_->blocks.front() : nullptr;
+  }
+
+  std::string names_of_blocks() const {
+    std::string names;
+    for (const MeshBlock& b : mesh_->blocks) names += (names.empty() ? "\"" : ", \"") + b.name + "\"";
+    return names.empty() ? "none: the file has no solid elements" : names;
+  }
+
+  /// Numbers the nodes of the block in the order of the file.
+  void number_nodes() {
+    number_.assign(mesh_->points.size(), -1);
+    for (const std::int32_t c : *cells_)
+      for (const std::int32_t node : mesh_->cells[static_cast<std::size_t>(c)])
+        number_[static_cast<std::size_t>(node)] = 0;
+    nodes_.clear();
+    for (std::size_t i = 0; i < number_.size(); ++i)
+      if (number_[i] == 0) {
+        number_[i] = static_cast<std::int32_t>(nodes_.size());
+        nodes_.push_back(static_cast<std::int32_t>(i));
+      }
+  }
+
+  /// The sets of the file, nodes of the whole mesh by name; sets of one name are one.
+  void name_faces() {
+    std::map<std::string, std::vector<std::int32_t>> sets;
+    for (const MeshNodeSet& set : mesh_->node_sets) {
+      auto& nodes = sets[set.name];
+      nodes.insert(nodes.end(), set.nodes.begin(), set.nodes.end());
+    }
+    for (const MeshFaceSet& set : mesh_->face_sets)
+      for (const auto& face : set.faces) sets[set.name].insert(sets[set.name].end(), face.begin(), face.end());
+    names_.clear();
+    faces_.clear();
+    for (auto& [name, nodes] : sets) {
+      std::sort(nodes.begin(), nodes.end());
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+      names_.push_back(name);
+      faces_.push_back(std::move(nodes));
+    }
+  }
+
+  std::shared_ptr<const FileMesh> mesh_;
+  double scale_ = 1.0;  // of the unit [m]
+  const std::vector<std::int32_t>* cells_ = nullptr;  // of the block
+  std::vector<std::int32_t> nodes_;  // of the block, by number in the whole mesh
+  std::vector<std::int32_t> number_;  // per node of the whole mesh: its number in nodes_, or -1
+  std::vector<std::string> names_;
+  std::vector<std::vector<std::int32_t>> faces_;  // per name: nodes of the whole mesh, ascending
+};
+
+}  // namespace
+}  // namespace kerf
+
+KERF_MESH(kerf::MeshOfFile, "file", "mesh of a file of Gmsh, Abaqus or Exodus: one block for each part")
