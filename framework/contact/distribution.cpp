@@ -12,7 +12,7 @@ namespace kerf {
 namespace {
 
 /// Ranks keep their boxes of space while the busiest has at most this times what it had in new ones, over the mean.
-constexpr double worst_share = 1.1;
+constexpr double worst_share = 1.15;
 /// Distance that slaves may leave their rank's box before the next search, over its edge.
 constexpr double spare_share = 0.05;
 
@@ -126,7 +126,9 @@ ContactEngine::Spread ContactEngine::spread() const {
 void ContactEngine::put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
                         const std::vector<ContactFacetRecord>& facets, Post& post) {
   const auto introduce = [&](int owner, int holder) {
-    if (owner != holder && introduced_.emplace(owner, holder).second) post.put(Post::holders, owner, holder);
+    if (owner == holder || !introduced_.emplace(owner, holder).second) return;
+    post.put(Post::holders, owner, holder);
+    not_yet_told_.emplace_back(owner, holder);
   };
   for (const ContactNodeRecord& s : slaves) {
     const int r = space_->owner(s.home);
@@ -177,6 +179,7 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
   tellers_.clear();
   meet_partners(receivers, exchange.senders());
   take(slaves, facets, post);
+  not_yet_told_.clear();
 }
 
 }  // namespace kerf

@@ -258,6 +258,7 @@ class ContactEngine {
   ContactChannel channel_;  // between owners of nodes and ranks that look at them
   std::vector<char> has_facets_;  // per rank: whether this one has sent it facets since the last search
   std::set<std::pair<int, int>> introduced_;  // owners and holders that this rank has made known to each other
+  std::vector<std::pair<int, int>> not_yet_told_;  // of these, the ones whose message is not sent yet
   // What has changed since the last step, on the way to other ranks.
   std::vector<ContactNodeRecord> changed_slaves_;
   std::vector<ContactFacetRecord> new_facets_;

@@ -58,6 +58,7 @@ void ContactEngine::refresh(Model& model, bool all_that_will_leave, bool has_new
     }
     take(changed_slaves_, new_facets_, Post(*outbox_, 0));
     outbox_.reset();
+    not_yet_told_.clear();
   }
   if (all_that_will_leave)
     search_->renew(new_facets_, changed_slaves_);
@@ -76,8 +77,10 @@ void ContactEngine::look_ahead(const Model& model, const Step& step) {
 bool ContactEngine::renewal_due(const Step& step) const { return step.cycle - last_renewal_ >= law_.search_interval; }
 
 ContactNeed ContactEngine::need(Model& model, const Step& step, const Prediction& longest) {
-  // Records that were prepared and not sent may have made ranks known to each other: only a search makes up for them.
-  if (std::exchange(outbox_, nullptr)) valid_ = false;
+  // Nobody has heard of the ranks in records that were prepared and not sent.
+  if (std::exchange(outbox_, nullptr))
+    for (const std::pair<int, int>& pair : not_yet_told_) introduced_.erase(pair);
+  not_yet_told_.clear();
   if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) return {SearchNeed::everything, 0};
   prediction_ = &longest;
   ContactNeed mine;
@@ -155,6 +158,7 @@ void ContactEngine::take_change(const Model& model, const Post& post) {
   if (!valid_) return;
   if (model.n_ranks() > 1) {
     take(changed_slaves_, new_facets_, post);
+    not_yet_told_.clear();
     dead_elements_ = post.take<std::int64_t>(Post::dead);
   }
   search_->change(dead_elements_, new_facets_, changed_slaves_);
