@@ -122,13 +122,14 @@ ContactEngine::Spread ContactEngine::spread() const {
 }
 
 /// Puts records into the post of the ranks whose box of space they concern, and makes the owners of their nodes known
-/// to these ranks.
-void ContactEngine::put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
-                        const std::vector<ContactFacetRecord>& facets, Post& post) {
+/// to these ranks. Returns the pairs of owners and holders that are made known.
+ContactEngine::Introductions ContactEngine::put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                                                const std::vector<ContactFacetRecord>& facets, Post& post) {
+  Introductions fresh;
   const auto introduce = [&](int owner, int holder) {
     if (owner == holder || !introduced_.emplace(owner, holder).second) return;
     post.put(Post::holders, owner, holder);
-    not_yet_told_.emplace_back(owner, holder);
+    fresh.emplace_back(owner, holder);
   };
   for (const ContactNodeRecord& s : slaves) {
     const int r = space_->owner(s.home);
@@ -150,6 +151,7 @@ void ContactEngine::put(const Model& model, const std::vector<ContactNodeRecord>
       for (const int owner : f.owners) introduce(owner, r);
     }
   }
+  return fresh;
 }
 
 /// Replaces records by those that the post has brought.
@@ -179,7 +181,6 @@ void ContactEngine::send(const Model& model, std::vector<ContactNodeRecord>& sla
   tellers_.clear();
   meet_partners(receivers, exchange.senders());
   take(slaves, facets, post);
-  not_yet_told_.clear();
 }
 
 }  // namespace kerf

@@ -203,8 +203,9 @@ class ContactEngine {
   static double half_edge(const Box& box);
   double mean_half_edge() const;
   void note_spread(const std::vector<ContactFacetRecord>& facets);
-  void put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
-           const std::vector<ContactFacetRecord>& facets, Post& post);
+  using Introductions = std::vector<std::pair<int, int>>;  // owners and holders
+  Introductions put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                    const std::vector<ContactFacetRecord>& facets, Post& post);
   void take(std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets, const Post& post);
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);
@@ -258,13 +259,13 @@ class ContactEngine {
   ContactChannel channel_;  // between owners of nodes and ranks that look at them
   std::vector<char> has_facets_;  // per rank: whether this one has sent it facets since the last search
   std::set<std::pair<int, int>> introduced_;  // owners and holders that this rank has made known to each other
-  std::vector<std::pair<int, int>> not_yet_told_;  // of these, the ones whose message is not sent yet
   // What has changed since the last step, on the way to other ranks.
   std::vector<ContactNodeRecord> changed_slaves_;
   std::vector<ContactFacetRecord> new_facets_;
   std::vector<std::int64_t> dead_elements_;
   bool reaches_too_far_ = false;
   std::unique_ptr<SparseExchange> outbox_;  // of the records of strays
+  Introductions in_outbox_;  // of introduced_, the ones that nobody has heard of before the outbox is sent
   std::set<int> told_, tellers_;  // ranks that have got records from this one since the last search, and the reverse
   const Prediction* prediction_ = nullptr;  // of the step that is being made; null for the model as it stands
   AlignedVector<double> position_, velocity_;  // of the nodes of the view, predicted

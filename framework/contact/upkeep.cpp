@@ -31,7 +31,8 @@ void ContactEngine::prepare_refresh(Model& model) {
   if (model.n_ranks() == 1) return;
   if (!outbox_) outbox_ = std::make_unique<SparseExchange>(model.comm, Post::n_lists);
   Post post(*outbox_, 0);
-  put(model, changed_slaves_, new_facets_, post);
+  const Introductions fresh = put(model, changed_slaves_, new_facets_, post);
+  in_outbox_.insert(in_outbox_.end(), fresh.begin(), fresh.end());
 }
 
 bool ContactEngine::has_news() const {
@@ -58,7 +59,7 @@ void ContactEngine::refresh(Model& model, bool all_that_will_leave, bool has_new
     }
     take(changed_slaves_, new_facets_, Post(*outbox_, 0));
     outbox_.reset();
-    not_yet_told_.clear();
+    in_outbox_.clear();
   }
   if (all_that_will_leave)
     search_->renew(new_facets_, changed_slaves_);
@@ -78,9 +79,8 @@ bool ContactEngine::renewal_due(const Step& step) const { return step.cycle - la
 
 ContactNeed ContactEngine::need(Model& model, const Step& step, const Prediction& longest) {
   // Nobody has heard of the ranks in records that were prepared and not sent.
-  if (std::exchange(outbox_, nullptr))
-    for (const std::pair<int, int>& pair : not_yet_told_) introduced_.erase(pair);
-  not_yet_told_.clear();
+  outbox_.reset();
+  for (const std::pair<int, int>& pair : std::exchange(in_outbox_, {})) introduced_.erase(pair);
   if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) return {SearchNeed::everything, 0};
   prediction_ = &longest;
   ContactNeed mine;
@@ -158,7 +158,6 @@ void ContactEngine::take_change(const Model& model, const Post& post) {
   if (!valid_) return;
   if (model.n_ranks() > 1) {
     take(changed_slaves_, new_facets_, post);
-    not_yet_told_.clear();
     dead_elements_ = post.take<std::int64_t>(Post::dead);
   }
   search_->change(dead_elements_, new_facets_, changed_slaves_);
