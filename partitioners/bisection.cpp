@@ -178,7 +178,7 @@ void Cuts::cut_level(MPI_Comm comm, std::vector<std::int32_t>& open) {
     for (int d = 0; d < 3; ++d) windows.push_back({r, d, regions_[r].low[d], regions_[r].high[d]});
   constexpr std::size_t most_bins = 4096, least_bins = 32, most_sums = 1u << 17, fine = 1024;
   const std::size_t n_bins = std::clamp(most_sums / windows.size(), least_bins, most_bins);
-  for (std::size_t slices = n_bins; slices / n_bins < fine; slices *= n_bins) narrow(comm, windows, n_bins);
+  for (std::size_t slices = 1; slices < fine; slices *= n_bins) narrow(comm, windows, n_bins);
   std::vector<std::int32_t> next;
   for (std::size_t k = 0; k < open.size(); ++k) {
     Region region = regions_[open[k]];
