@@ -1,5 +1,5 @@
-// Recursive coordinate bisection by histograms: three reductions for each doubling of the number of parts, whatever the
-// number of points. Contact uses it by default, because its boxes of space are made anew often.
+// Recursive coordinate bisection by histograms: two or three reductions for each doubling of the number of parts,
+// whatever the number of points. Contact uses it by default, because its boxes of space are made anew often.
 //
 // M.J. Berger & S.H. Bokhari, "A partitioning strategy for nonuniform problems on multiprocessors", IEEE Trans.
 // Computers C-36 (1987) 570-580. All ranks find the same cuts: weights are summed up as whole numbers.
@@ -64,10 +64,9 @@ class Cuts {
     }
   };
   void add_parts(std::size_t region, Vec3 low, Vec3 high, std::vector<int>& parts) const;
-  double greatest_weight(MPI_Comm comm) const;
-  void enclose(MPI_Comm comm, const std::vector<std::int32_t>& open);
+  double enclose(MPI_Comm comm, const std::vector<std::int32_t>& open);
   void cut_level(MPI_Comm comm, std::vector<std::int32_t>& open);
-  void narrow(MPI_Comm comm, std::vector<Window>& windows);
+  void narrow(MPI_Comm comm, std::vector<Window>& windows, std::size_t n_bins);
   static const Window& best_of(const Region& region, const Window* of_axes);
   static double cut_of(const Region& region, const Window& w);
   std::int32_t add_child(const Region& parent, bool upper);
@@ -79,21 +78,16 @@ class Cuts {
   double per_weight_ = 1.0;  // units of weight; 0 where no point has any
 };
 
-double Cuts::greatest_weight(MPI_Comm comm) const {
-  double most = 0.0;
-  for (const double weight : weights_) most = max_of(most, weight);
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
-  return most;
-}
-
 /// Sets the boxes of open regions to those round their points: a flat surface is cut within its plane, however thick
-/// the region is. Collective.
-void Cuts::enclose(MPI_Comm comm, const std::vector<std::int32_t>& open) {
+/// the region is. Returns the greatest weight of all points. Collective.
+double Cuts::enclose(MPI_Comm comm, const std::vector<std::int32_t>& open) {
   constexpr double far = std::numeric_limits<double>::max();
   std::vector<std::int32_t> place(regions_.size(), -1);
   for (std::size_t k = 0; k < open.size(); ++k) place[open[k]] = static_cast<std::int32_t>(k);
-  std::vector<double> most(6 * open.size(), -far);  // of -x and x
+  std::vector<double> most(6 * open.size() + 1, -far);  // of -x and x, and of weights
+  most.back() = 0.0;
   for (std::size_t i = 0; i < weights_.size(); ++i) {
+    most.back() = max_of(most.back(), weights_[i]);
     if (place[region_of_[i]] < 0) continue;
     double* row = &most[6 * static_cast<std::size_t>(place[region_of_[i]])];
     for (std::size_t d = 0; d < 3; ++d) {
@@ -108,6 +102,7 @@ void Cuts::enclose(MPI_Comm comm, const std::vector<std::int32_t>& open) {
       regions_[open[k]].low[d] = empty ? 0.0 : -most[6 * k + d];
       regions_[open[k]].high[d] = empty ? 0.0 : most[6 * k + 3 + d];
     }
+  return most.back();
 }
 
 std::int32_t Cuts::add_child(const Region& parent, bool upper) {
@@ -120,9 +115,8 @@ std::int32_t Cuts::add_child(const Region& parent, bool upper) {
 
 /// Narrows every window down to the bin of a histogram in which its region's share of the weight is reached. There are
 /// three windows for each region, one after the other.
-void Cuts::narrow(MPI_Comm comm, std::vector<Window>& windows) {
-  constexpr std::size_t most_bins = 256, least_bins = 32, most_sums = 1u << 18;
-  const std::size_t n_bins = std::clamp(most_sums / windows.size(), least_bins, most_bins), row = n_bins + 1;
+void Cuts::narrow(MPI_Comm comm, std::vector<Window>& windows, std::size_t n_bins) {
+  const std::size_t row = n_bins + 1;
   std::vector<std::int32_t> first(regions_.size(), -1);
   for (std::size_t k = 0; k < windows.size(); k += 3) first[windows[k].region] = static_cast<std::int32_t>(k);
   Sums sums(row * windows.size(), 0);  // the last of a row is the weight of all points of the region
@@ -176,11 +170,15 @@ double Cuts::cut_of(const Region& region, const Window& w) {
 
 /// Cuts all open regions, whose children take their place. Collective.
 void Cuts::cut_level(MPI_Comm comm, std::vector<std::int32_t>& open) {
-  enclose(comm, open);
+  constexpr double units = 1u << 20;  // of the greatest weight
+  const double greatest = enclose(comm, open);
+  per_weight_ = greatest > 0.0 ? units / greatest : 0.0;
   std::vector<Window> windows;
   for (const std::int32_t r : open)
     for (int d = 0; d < 3; ++d) windows.push_back({r, d, regions_[r].low[d], regions_[r].high[d]});
-  for (int k = 0; k < 2; ++k) narrow(comm, windows);
+  constexpr std::size_t most_bins = 4096, least_bins = 32, most_sums = 1u << 17, fine = 1024;
+  const std::size_t n_bins = std::clamp(most_sums / windows.size(), least_bins, most_bins);
+  for (std::size_t slices = 1; slices < fine; slices *= n_bins) narrow(comm, windows, n_bins);
   std::vector<std::int32_t> next;
   for (std::size_t k = 0; k < open.size(); ++k) {
     Region region = regions_[open[k]];
@@ -203,12 +201,9 @@ void Cuts::cut_level(MPI_Comm comm, std::vector<std::int32_t>& open) {
 void Cuts::make(MPI_Comm comm, int n_parts, std::span<const double> coordinates, std::span<const double> weights) {
   coordinates_ = coordinates;
   weights_ = weights;
-  constexpr double units = 1u << 20;  // of the greatest weight
-  const double greatest = greatest_weight(comm);
   Region all;
   all.n_parts = n_parts;
   regions_.assign(1, all);
-  per_weight_ = greatest > 0.0 ? units / greatest : 0.0;
   region_of_.assign(weights.size(), 0);
   std::vector<std::int32_t> open;
   if (n_parts > 1) open.push_back(0);

@@ -12,7 +12,7 @@ namespace kerf {
 namespace {
 
 /// Ranks keep their boxes of space while the busiest has at most this times what it had in new ones, over the mean.
-constexpr double worst_share = 1.1;
+constexpr double worst_share = 1.15;
 /// Distance that slaves may leave their rank's box before the next search, over its edge.
 constexpr double spare_share = 0.05;
 
@@ -122,11 +122,14 @@ ContactEngine::Spread ContactEngine::spread() const {
 }
 
 /// Puts records into the post of the ranks whose box of space they concern, and makes the owners of their nodes known
-/// to these ranks.
-void ContactEngine::put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
-                        const std::vector<ContactFacetRecord>& facets, Post& post) {
+/// to these ranks. Returns the pairs of owners and holders that are made known.
+ContactEngine::Introductions ContactEngine::put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                                                const std::vector<ContactFacetRecord>& facets, Post& post) {
+  Introductions fresh;
   const auto introduce = [&](int owner, int holder) {
-    if (owner != holder && introduced_.emplace(owner, holder).second) post.put(Post::holders, owner, holder);
+    if (owner == holder || !introduced_.emplace(owner, holder).second) return;
+    post.put(Post::holders, owner, holder);
+    fresh.emplace_back(owner, holder);
   };
   for (const ContactNodeRecord& s : slaves) {
     const int r = space_->owner(s.home);
@@ -148,6 +151,7 @@ void ContactEngine::put(const Model& model, const std::vector<ContactNodeRecord>
       for (const int owner : f.owners) introduce(owner, r);
     }
   }
+  return fresh;
 }
 
 /// Replaces records by those that the post has brought.

@@ -111,6 +111,7 @@ void ContactEngine::connect(const Model& model, bool fresh) {
 
 void ContactEngine::search(Model& model, const Step& step) {
   outbox_.reset();
+  in_outbox_.clear();  // all are made known anew
   std::vector<ExteriorFacet> exterior = model.surface.exterior(model.surface_mesh());
   drop_mirrored(model, exterior);
   const std::vector<std::int32_t> surface = surface_nodes(model, exterior);

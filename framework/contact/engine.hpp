@@ -203,8 +203,9 @@ class ContactEngine {
   static double half_edge(const Box& box);
   double mean_half_edge() const;
   void note_spread(const std::vector<ContactFacetRecord>& facets);
-  void put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
-           const std::vector<ContactFacetRecord>& facets, Post& post);
+  using Introductions = std::vector<std::pair<int, int>>;  // owners and holders
+  Introductions put(const Model& model, const std::vector<ContactNodeRecord>& slaves,
+                    const std::vector<ContactFacetRecord>& facets, Post& post);
   void take(std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets, const Post& post);
   void send(const Model& model, std::vector<ContactNodeRecord>& slaves, std::vector<ContactFacetRecord>& facets);
   void connect(const Model& model, bool fresh);
@@ -264,6 +265,7 @@ class ContactEngine {
   std::vector<std::int64_t> dead_elements_;
   bool reaches_too_far_ = false;
   std::unique_ptr<SparseExchange> outbox_;  // of the records of strays
+  Introductions in_outbox_;  // of introduced_, the ones that nobody has heard of before the outbox is sent
   std::set<int> told_, tellers_;  // ranks that have got records from this one since the last search, and the reverse
   const Prediction* prediction_ = nullptr;  // of the step that is being made; null for the model as it stands
   AlignedVector<double> position_, velocity_;  // of the nodes of the view, predicted

@@ -31,7 +31,8 @@ void ContactEngine::prepare_refresh(Model& model) {
   if (model.n_ranks() == 1) return;
   if (!outbox_) outbox_ = std::make_unique<SparseExchange>(model.comm, Post::n_lists);
   Post post(*outbox_, 0);
-  put(model, changed_slaves_, new_facets_, post);
+  const Introductions fresh = put(model, changed_slaves_, new_facets_, post);
+  in_outbox_.insert(in_outbox_.end(), fresh.begin(), fresh.end());
 }
 
 bool ContactEngine::has_news() const {
@@ -58,6 +59,7 @@ void ContactEngine::refresh(Model& model, bool all_that_will_leave, bool has_new
     }
     take(changed_slaves_, new_facets_, Post(*outbox_, 0));
     outbox_.reset();
+    in_outbox_.clear();
   }
   if (all_that_will_leave)
     search_->renew(new_facets_, changed_slaves_);
@@ -76,8 +78,9 @@ void ContactEngine::look_ahead(const Model& model, const Step& step) {
 bool ContactEngine::renewal_due(const Step& step) const { return step.cycle - last_renewal_ >= law_.search_interval; }
 
 ContactNeed ContactEngine::need(Model& model, const Step& step, const Prediction& longest) {
-  // Records that were prepared and not sent may have made ranks known to each other: only a search makes up for them.
-  if (std::exchange(outbox_, nullptr)) valid_ = false;
+  // Nobody has heard of the ranks in records that were prepared and not sent.
+  outbox_.reset();
+  for (const std::pair<int, int>& pair : std::exchange(in_outbox_, {})) introduced_.erase(pair);
   if (!valid_ || step.cycle - last_search_ >= renewals * law_.search_interval) return {SearchNeed::everything, 0};
   prediction_ = &longest;
   ContactNeed mine;

@@ -90,7 +90,6 @@ class Timers {
   };
 
   Scope measure(TimerName phase) { return Scope(times_[phase.index()], phase); }
-  double seconds(TimerName phase) const { return times_[phase.index()].total; }
   /// Per entry of timer_table.
   using Times = std::array<Time, std::size(timer_table)>;
   const Times& all() const { return times_; }

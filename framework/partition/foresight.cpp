@@ -11,6 +11,7 @@
 
 #include "input/csv_table.hpp"
 #include "input/curve_table.hpp"
+#include "kerf/functions.hpp"
 #include "parallel/communicator.hpp"
 #include "partition/nearest_point.hpp"
 #include "partition/results_file.hpp"
@@ -193,7 +194,7 @@ std::string misfit(const Model& model, std::size_t p, const CoarsePart& coarse) 
     off =
         std::max({off, std::fabs(mine.low[d] - coarse.bounds.low[d]), std::fabs(mine.high[d] - coarse.bounds.high[d])});
   }
-  const double cell = std::cbrt(volume / static_cast<double>(coarse.lives.size()));
+  const double cell = kerf::pow(volume / static_cast<double>(coarse.lives.size()), 1.0 / 3.0);
   if (off <= 2.0 * cell) return {};
   return fmt::format(
       "part {} of the run stands elsewhere or has another size, by {:.3g} m; expected a run of the same "

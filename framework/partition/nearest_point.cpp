@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "core/assert.hpp"
+#include "kerf/functions.hpp"
 
 namespace kerf {
 
@@ -30,7 +31,7 @@ NearestPoint::NearestPoint(const std::vector<double>& points, const PointBounds&
   double volume = 1.0;
   // A flat cloud of points has some thickness here, so that the number of boxes stays bounded.
   for (int d = 0; d < 3; ++d) volume *= std::max(bounds.high[d] - bounds.low[d], 1e-3 * longest);
-  edge_ = std::cbrt(volume / static_cast<double>(n));
+  edge_ = kerf::pow(volume / static_cast<double>(n), 1.0 / 3.0);
   for (int d = 0; d < 3; ++d) n_[d] = static_cast<int>((bounds.high[d] - bounds.low[d]) / edge_) + 1;
   boxes_.resize(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2]);
   for (std::size_t i = 0; i < n; ++i) boxes_[box_of(cell_of(point(i)))].push_back(i);

@@ -97,7 +97,7 @@ class SpaceCuts(Cuts):
 
     As partitioners/bisection.cpp: a cut finds its place among `bins` slices of the box.
     """
-    bins = 65536
+    bins = 4096
 
     def _cut(self, points, weights, group, sizes):
         n = len(sizes)

@@ -15,6 +15,9 @@ class Refused(Exception):
 
 # ---- ballistic limit
 
+LEAST_LIMIT = 1e-3  # of the slowest perforating speed: what is less says that the points determine none
+
+
 @dataclass
 class BallisticLimit:
     """v_r = a (v_s^p - v_bl^p)^(1/p). R. F. Recht & T. W. Ipson, "Ballistic perforation dynamics", J. Appl. Mech. 30
@@ -78,11 +81,10 @@ def fit_ballistic_limit(striking, residual, p: float | None = 2.0, a: float | No
     scales = {"limit": most, "a": 1.0, "p": 1.0}
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", OptimizeWarning)  # no covariance: no interval is given then
-            best, _ = curve_fit(model, v, r, [start[n] for n in unknowns],
-                                         x_scale=[scales[n] for n in unknowns],
-                                         bounds=tuple(zip(*(bounds[n] for n in unknowns))),
-                                         xtol=1e-14, ftol=1e-14, gtol=1e-14, max_nfev=20000)
+            warnings.simplefilter("ignore", OptimizeWarning)  # of its covariance: standard_errors() looks by itself
+            best, _ = curve_fit(model, v, r, [start[n] for n in unknowns], x_scale=[scales[n] for n in unknowns],
+                                bounds=tuple(zip(*(bounds[n] for n in unknowns))), xtol=1e-14, ftol=1e-14, gtol=1e-14,
+                                max_nfev=20000)
     except RuntimeError as error:
         raise Refused(f"the fit does not converge ({error}); expected points that follow the relation") from error
     found = dict(zip(unknowns, map(float, best)))
@@ -90,9 +92,6 @@ def fit_ballistic_limit(striking, residual, p: float | None = 2.0, a: float | No
         raise Refused("the residual speeds do not fall off towards a limit: the best fit has a limit of zero; "
                       "expected points near the limit, or results without mistakes")
     return ballistic_answer(found, unknowns, bounds, (striking, residual), a, p, confidence)
-
-
-LEAST_LIMIT = 1e-3  # of the slowest perforating speed
 
 
 def standard_errors(found, unknowns, v, r, a, p) -> dict[str, float]:
@@ -148,6 +147,7 @@ FORMAL_ORDER = 2.0  # of elements with linear fields, and of central differences
 # Of the index where the observed order is above the formal one. W. L. Oberkampf & C. J. Roy, "Verification and
 # validation in scientific computing", Cambridge University Press (2010), section 8.7.
 CAREFUL_SAFETY = 3.0
+
 
 @dataclass
 class Triplet:

@@ -91,7 +91,7 @@ class Policy:
     def moves(self, moment: Moment, imbalance: float) -> int:
         """How often it moves in the cycles of a moment; the first move takes place at its start."""
         if self.kind == "every":  # in the cycles whose numbers it divides
-            before = moment.cycle - 1
+            before = max(moment.cycle - 1, 0)
             return (before + moment.n_cycles) // int(self.value) - before // int(self.value)
         return 1 if self.kind == "threshold" and imbalance > self.value else 0
 
@@ -139,17 +139,20 @@ class _Sum:
     def add(self, clock: loggp.Clock, weight: float, program: Program) -> None:
         """Runs one cycle on a clock that has settled; it counts `weight` times."""
         self.traffic.add(traffic_of(program), weight)
-        start = clock.time.copy()
+        start = clock.time.max()
         clock.spent.clear()
         clock.useful.clear()
-        end = clock.run(program)
-        seconds = float(end.max() - start.max())
+        seconds = float(clock.run(program).max() - start)
         self.seconds += weight * seconds
-        # Ranks that begin apart catch up with one another in the cycle, which in a run they do once only.
-        spent = {name: float(values.mean()) for name, values in clock.spent.items()}
-        share = seconds / float((end - start).mean())
-        for name, value in spent.items():
-            self.phases[name] = self.phases.get(name, 0.0) + weight * share * value
+        # Ranks that begin apart catch up with one another in the cycle, which in a run they do once only: the cycle has
+        # less waiting than its ranks together.
+        useful = {name: float(values.mean()) for name, values in clock.useful.items()}
+        waiting = {name: float(values.mean()) - useful.get(name, 0.0) for name, values in clock.spent.items()}
+        waits = sum(waiting.values())
+        share = max(seconds - sum(useful.values()), 0.0) / waits if waits > 0.0 else 0.0
+        for name, seconds_waited in waiting.items():
+            booked = useful.get(name, 0.0) + share * seconds_waited
+            self.phases[name] = self.phases.get(name, 0.0) + weight * booked
         for name, values in clock.useful.items():
             self.useful[name] = self.useful.get(name, np.zeros(self.n_ranks)) + weight * values
 

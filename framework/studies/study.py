@@ -76,11 +76,13 @@ class Study:
             else:
                 written = [put(self.input, parameter, path, value, settings) for path in parameter.paths]
             for place in written:
-                other = writers.setdefault(place, name)
-                whole = writers.get(place.partition("[")[0])  # of a vector one of whose components is written
-                parts = [writer for key, writer in writers.items() if key.startswith(f"{place}[")]
-                for second in {other, whole or name, *parts} - {name}:
-                    raise PathError(f"{place} is set by {second} and by {name}; expected each value to be set once")
+                # The same place, the whole vector of a component, or a component of the vector.
+                others = {writer for key, writer in writers.items() if writer != name and (
+                    key in (place, place.partition("[")[0]) or key.startswith(f"{place}["))}
+                if others:
+                    raise PathError(f"{place} is set by {min(others)} and by {name}; expected each value to be set "
+                                    "once")
+                writers[place] = name
         refuse_overlaps(settings)
         return settings
 

@@ -21,7 +21,7 @@ FACES = {8: np.array([[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2
 BEHIND = np.array([[4, 5, 6, 7], [0, 1, 2, 3], [3, 2, 6, 7], [0, 3, 7, 4], [1, 0, 4, 5], [2, 1, 5, 6]])
 
 CANDIDATE_WORK = 0.3  # framework/contact/engine.hpp: candidate_work, of a slave's search
-WORST_SHARE = 1.1  # framework/contact/distribution.cpp: worst_share
+WORST_SHARE = 1.15  # framework/contact/distribution.cpp: worst_share
 SPARE_SHARE = 0.05  # framework/contact/distribution.cpp: spare_share
 RENEWALS = 5  # framework/contact/engine.hpp: search intervals between two complete searches
 
