@@ -34,12 +34,13 @@ struct Placed {
   Sets node_sets, cell_sets;
 };
 
-/// Corners of the faces S1 to S6, as the manual of Abaqus numbers them, from 1; 0 where a triangle has no fourth.
+/// Corners of the faces S1 to S6 from 1, 0 where a triangle has no fourth. The manual of Abaqus lists them as they are
+/// seen from inside; here they go the other way round.
 using Faces = std::array<std::array<int, 4>, 6>;
-constexpr Faces hexahedron_faces{{{1, 2, 3, 4}, {5, 8, 7, 6}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 8, 4}, {4, 8, 5, 1}}};
-constexpr Faces wedge_faces{{{1, 2, 3, 0}, {4, 6, 5, 0}, {1, 4, 5, 2}, {2, 5, 6, 3}, {3, 6, 4, 1}, {}}};
-constexpr Faces pyramid_faces{{{1, 2, 3, 4}, {1, 5, 2, 0}, {2, 5, 3, 0}, {3, 5, 4, 0}, {4, 5, 1, 0}, {}}};
-constexpr Faces tetrahedron_faces{{{1, 2, 3, 0}, {1, 4, 2, 0}, {2, 4, 3, 0}, {3, 4, 1, 0}, {}, {}}};
+constexpr Faces hexahedron_faces{{{1, 4, 3, 2}, {5, 6, 7, 8}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 4, 8, 7}, {4, 1, 5, 8}}};
+constexpr Faces wedge_faces{{{1, 3, 2, 0}, {4, 5, 6, 0}, {1, 2, 5, 4}, {2, 3, 6, 5}, {3, 1, 4, 6}, {}}};
+constexpr Faces pyramid_faces{{{1, 4, 3, 2}, {1, 2, 5, 0}, {2, 3, 5, 0}, {3, 4, 5, 0}, {4, 1, 5, 0}, {}}};
+constexpr Faces tetrahedron_faces{{{1, 3, 2, 0}, {1, 2, 4, 0}, {2, 3, 4, 0}, {3, 1, 4, 0}, {}, {}}};
 
 const Faces& faces_of(int n_corners) {
   return n_corners == 4   ? tetrahedron_faces

@@ -65,11 +65,12 @@ void check_sizes(const FileMesh& mesh, MeshErrors& errors) {
 
 void check_labels(const FileMesh& mesh, MeshErrors& errors) {
   if (mesh.labels_repeat) return;
-  for (const std::int32_t i : LabelMap(mesh.node_labels).repeated())
+  const LabelMap nodes(mesh.node_labels), cells(mesh.cell_labels);
+  for (const std::int32_t i : nodes.repeated())
     errors.at({}, "repeated node",
               "node " + std::to_string(mesh.node_labels[static_cast<std::size_t>(i)]) +
                   " is there twice; expected different numbers");
-  for (const std::int32_t i : LabelMap(mesh.cell_labels).repeated()) {
+  for (const std::int32_t i : cells.repeated()) {
     const auto cell = static_cast<std::size_t>(i);
     errors.at(place_of(mesh, cell), "repeated element",
               cell_name(mesh, cell) + " is there twice; expected different numbers");
@@ -103,11 +104,20 @@ void check_blocks(const FileMesh& mesh, MeshErrors& errors) {
       errors.at(place_of(mesh, c), "no block", cell_name(mesh, c) + " is in no block; expected one");
 }
 
-std::uint64_t hash_of(std::array<std::int32_t, 8> nodes) {
+/// The corners of a cell, ascending; the last one stands where others repeat.
+std::array<std::int32_t, 8> corners_of(std::array<std::int32_t, 8> nodes) {
   std::sort(nodes.begin(), nodes.end());
+  const auto end = std::unique(nodes.begin(), nodes.end());
+  std::fill(end, nodes.end(), end[-1]);
+  return nodes;
+}
+
+std::uint64_t hash_of(const std::array<std::int32_t, 8>& corners) {
   std::uint64_t hash = 0;
-  for (const std::int32_t node : nodes)
-    hash = (hash ^ static_cast<std::uint64_t>(node)) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
+  for (const std::int32_t node : corners) {
+    hash = (hash ^ static_cast<std::uint64_t>(node)) * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 29;
+  }
   return hash;
 }
 
@@ -116,15 +126,13 @@ void check_doubles(const FileMesh& mesh, MeshErrors& errors) {
   std::vector<std::pair<std::uint64_t, std::int32_t>> hashes;
   hashes.reserve(mesh.cells.size());
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    hashes.emplace_back(hash_of(mesh.cells[c]), static_cast<std::int32_t>(c));
+    hashes.emplace_back(hash_of(corners_of(mesh.cells[c])), static_cast<std::int32_t>(c));
   std::sort(hashes.begin(), hashes.end());
-  const auto sorted = [&](std::size_t i) {
-    auto nodes = mesh.cells[static_cast<std::size_t>(hashes[i].second)];
-    std::sort(nodes.begin(), nodes.end());
-    return nodes;
+  const auto corners = [&](std::size_t i) {
+    return corners_of(mesh.cells[static_cast<std::size_t>(hashes[i].second)]);
   };
   for (std::size_t i = 1; i < hashes.size(); ++i) {
-    if (hashes[i].first != hashes[i - 1].first || sorted(i) != sorted(i - 1)) continue;
+    if (hashes[i].first != hashes[i - 1].first || corners(i) != corners(i - 1)) continue;
     const auto first = static_cast<std::size_t>(hashes[i - 1].second),
                cell = static_cast<std::size_t>(hashes[i].second);
     errors.at(place_of(mesh, cell), "same nodes",

@@ -141,7 +141,8 @@ bool GmshReader::checked(bool read, std::int64_t n, FilePlace place, const char*
 
 bool GmshReader::count(std::int64_t& n, const char* what) {
   const FilePlace place = source_.place();
-  return checked(source_.size(n), n, place, what);
+  const bool read = source_.size(n);
+  return checked(read, n, place, what);
 }
 
 bool GmshReader::text_count(std::int64_t& n, const char* what) {

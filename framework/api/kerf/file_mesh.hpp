@@ -35,7 +35,8 @@ struct MeshNodeSet {
   std::vector<std::int32_t> nodes;  // ascending, each once
 };
 
-/// Faces that the file names, by their corners; a triangle repeats its last corner. They need not be faces of cells.
+/// Faces that the file names, by their corners; a triangle repeats its last corner. The ones of Gmsh need not be faces
+/// of cells. The ones of Abaqus and Exodus are, and their corners go counter-clockwise as seen from outside.
 struct MeshFaceSet {
   std::string name;
   std::int64_t label = 0;
