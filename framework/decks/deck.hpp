@@ -41,7 +41,6 @@ struct Block {
   CardFormat format = CardFormat::standard;
   std::int32_t source = 0, line = 0, order = 0;
   std::size_t first_card = 0, n_cards = 0;
-  /// The values of the first card, where there are more of them than one: by option TITLE.
   bool has_option(std::string_view option) const;
   const std::string& base() const { return name.base; }
 };
@@ -125,8 +124,6 @@ class DeckErrors {
   /// `kind` tells errors of one kind from others; it must outlive this object.
   void error(const Place& place, std::string_view kind, const std::string& message);
   void warning(const Place& place, std::string_view kind, const std::string& message);
-  /// Whether another error of this kind would be shown.
-  bool shows(std::string_view kind) const;
 
  private:
   struct Count {

@@ -87,7 +87,7 @@ constexpr std::string_view read_names[] = {
     "PARAMETER_LOCAL",
     "INCLUDE",
     "INCLUDE_PATH",
-    "PART_CONTACT",
+
     "INCLUDE_PATH_RELATIVE",
     "PARAMETER_EXPRESSION_LOCAL",
     "PARAMETER_MUTABLE",
