@@ -28,6 +28,14 @@ std::string quoted(std::string_view text) {
   return "\"" + shown + "\"";
 }
 
+/// A message in one line of UTF-8, whatever bytes of the deck it quotes.
+std::string in_one_line(const std::string& message) {
+  std::string line = to_utf8(message);
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  return line;
+}
+
 std::string no_number(std::string_view text) {
   const std::size_t blank = text.find(' ');
   if (blank == std::string_view::npos) return fmt::format("{} is no number", quoted(text));
@@ -226,13 +234,13 @@ DeckErrors::~DeckErrors() {
 void DeckErrors::error(const Place& place, std::string_view kind, const std::string& message) {
   Count& count = errors_[kind];
   count.last = place;
-  if (++count.n <= most_errors_of_a_kind) diagnostics_.error(deck_.origin(place), message);
+  if (++count.n <= most_errors_of_a_kind) diagnostics_.error(deck_.origin(place), in_one_line(message));
 }
 
 void DeckErrors::warning(const Place& place, std::string_view kind, const std::string& message) {
   Count& count = warnings_[kind];
   count.last = place;
-  if (++count.n <= most_errors_of_a_kind) diagnostics_.warning(deck_.origin(place), message);
+  if (++count.n <= most_errors_of_a_kind) diagnostics_.warning(deck_.origin(place), in_one_line(message));
 }
 
 }  // namespace kerf::decks

@@ -63,7 +63,8 @@ class Deck {
   const std::vector<Source>& sources() const { return sources_; }
   const Parameters& parameters() const { return parameters_; }
   const std::string& title() const { return title_; }
-  /// How often each keyword is written, those in blocks of cases as well, by names in upper case.
+  /// How often each keyword that counts is written, by names in upper case: without *END, *CASE and what stands in
+  /// cases that were not asked for.
   const std::map<std::string, int>& keyword_counts() const { return counts_; }
   const Transform& transform_of(const Block& block) const { return sources_[at(block.source)].transform; }
 

@@ -107,7 +107,6 @@ bool DeckReader::start_block(std::int32_t source, std::string_view line, std::in
   take_sign(block.written);
   if (block.rest.size() == 1) take_sign(block.rest);
   block.name = keyword_named(block.written);
-  ++deck_.counts_[block.written.substr(0, 80)];
   if (block.base() == "END") return false;
   deck_.blocks_.push_back(std::move(block));
   in_block_ = true;
@@ -125,6 +124,7 @@ void DeckReader::finish_block() {
     deck_.blocks_.pop_back();
     return;
   }
+  ++deck_.counts_[block.written.substr(0, 80)];
   if (block.name.use == KeywordUse::unknown) {
     const std::string near = nearest_keyword(block.base()), physics = physics_of_group(block.base());
     errors_.error(
