@@ -71,7 +71,7 @@ class References {
       const Definition defines = definition_of(block.base());
       if (!defines.kind) continue;
       if (block.name.use != KeywordUse::tabled) {  // its cards are not known, but its first number is its id
-        collect_first_number(block, defines);
+        defined_[defines.kind].insert(first_number(block, defines.offset));
         continue;
       }
       const std::size_t n =
@@ -84,29 +84,28 @@ class References {
     for (const DeckPart& part : mesh_.parts) defined_["part"].insert(part.id);
     for (const std::int64_t label : mesh_.mesh.node_labels) nodes_.push_back(label);
     std::sort(nodes_.begin(), nodes_.end());
-    // Sets that are read by nobody are defined all the same.
-    for (const Block& block : deck_.blocks()) {
-      if (begins(block.base(), "SET_NODE")) collect_first_number(block, {"node_set", "sid", IdKind::set});
-      if (begins(block.base(), "SET_SEGMENT")) collect_first_number(block, {"segment_set", "sid", IdKind::set});
-      if (begins(block.base(), "SET_PART")) collect_first_number(block, {"part_set", "sid", IdKind::set});
-    }
+    for (const Block& block : deck_.blocks())
+      for (const auto& [stem, kind] : {std::pair{"SET_NODE", "node_set"}, std::pair{"SET_SEGMENT", "segment_set"},
+                                       std::pair{"SET_PART", "part_set"}}) {
+        if (!begins(block.base(), stem)) continue;
+        const std::int64_t id = first_number(block, IdKind::set);
+        if (!is_defined(kind, id)) unread_[{kind, id}] = block.written;
+      }
   }
 
-  void collect_first_number(const Block& block, const Definition& defines) {
-    const std::size_t first =
-        block.has_option("TITLE") ||
-                begins(block.written.substr(block.written.size() - std::min<std::size_t>(6, block.written.size())),
-                       "_TITLE")
-            ? 1
-            : 0;
-    if (first >= block.n_cards) return;
+  /// The id on the first card below the title, of a keyword whose cards need not be known; 0 where there is none.
+  std::int64_t first_number(const Block& block, IdKind offset) const {
+    const bool titled = block.written.size() > 6 && block.written.substr(block.written.size() - 6) == "_TITLE";
+    const std::size_t first = titled ? 1 : 0;
+    if (first >= block.n_cards) return 0;
     const std::string_view text = deck_.cards_of(block)[first].view();
     const bool commas = text.find(',') != std::string_view::npos;
     const FieldText field =
         commas ? comma_fields(text)[0] : fixed_field(text, 1, block.format == CardFormat::wide ? 20 : 10);
     std::int64_t id = 0;
     Place place;
-    if (!field.text.empty() && deck_.read_integer(block, field, id, place).empty()) add(defines, block, id);
+    if (field.text.empty() || !deck_.read_integer(block, field, id, place).empty()) return 0;
+    return deck_.transform_of(block).id(id, offset);
   }
 
   void add(const Definition& defines, const Block& block, std::int64_t id) {
@@ -135,6 +134,10 @@ class References {
   void check_id(const Block& block, const std::string& kind, const Field<std::int64_t>& field, std::size_t repeat) {
     const std::int64_t id = deck_.transform_of(block).id(field.value, offset_of(kind));
     if (is_defined(kind, id)) return;
+    if (const auto unread = unread_.find({kind, id}); unread != unread_.end())
+      return errors_.error(
+          field.place, "sets that are not read",
+          fmt::format("{} {} is written with *{}, which is not read", shown(kind), id, unread->second));
     const bool of_part = begins(block.base(), "PART");
     errors_.error(field.place, "undefined ids",
                   of_part ? fmt::format("part {} names {} {}, which is not defined",
@@ -155,8 +158,11 @@ class References {
       if (!kind || surface.value <= 0) continue;
       const std::int64_t id = deck_.transform_of(block).id(surface.value, offset_of(kind));
       if (is_defined(kind, id)) continue;
+      const auto unread = unread_.find({kind, id});
+      const std::string why =
+          unread == unread_.end() ? "is not defined" : "is written with *" + unread->second + ", which is not read";
       errors_.error(surface.place, "undefined ids",
-                    fmt::format("{} {}: {} {} is not defined", upper_case(name), surface.value, shown(kind), id));
+                    fmt::format("{} {}: {} {} {}", upper_case(name), surface.value, shown(kind), id, why));
     }
   }
 
@@ -175,6 +181,7 @@ class References {
   const DeckMesh& mesh_;
   DeckErrors& errors_;
   std::map<std::string, std::set<std::int64_t>> defined_;
+  std::map<std::pair<std::string, std::int64_t>, std::string> unread_;  // sets in forms that are not read: keywords
   std::vector<std::int64_t> nodes_;
 };
 

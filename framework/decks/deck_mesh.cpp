@@ -72,6 +72,9 @@ DeckMesh MeshBuilder::build() {
     if (base == "NODE") read_nodes(blocks[b]);
     if (base == "PART" || base == "PART_INERTIA" || base == "PART_CONTACT")
       read_parts(blocks[b], static_cast<std::int32_t>(b));
+    if (base.rfind("ELEMENT_SOLID_", 0) == 0 || base.rfind("NODE_", 0) == 0)
+      errors_.error(deck_.place_of(blocks[b]), "forms of the mesh",
+                    fmt::format("*{} is not read; *NODE and *ELEMENT_SOLID are", blocks[b].written));
     if (const std::string kind = kind_of_other_element(base); !kind.empty())
       out_.mesh.left_out[kind] += static_cast<std::int64_t>(blocks[b].n_cards);
   }

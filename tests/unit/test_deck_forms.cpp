@@ -170,6 +170,20 @@ TEST(DeckIncludes, carry_on_with_names_and_do_not_need_a_keyword) {
   EXPECT_EQ(joined(d), "");
 }
 
+TEST(DeckSets, in_forms_that_are_not_read_are_errors_where_they_are_named) {
+  const fs::path path = written("kerf_sets.k",
+                                "*KEYWORD\n*CONTROL_TERMINATION\n       1.0\n*SET_NODE_COLUMN_TITLE\nrow\n         4\n"
+                                "*BOUNDARY_SPC_SET\n         4         0         1\n         5         0         1\n");
+  Diagnostics d;
+  const Deck deck = read_deck(path.string(), {}, d);
+  check_fields(deck, d);
+  const DeckMesh mesh = read_mesh(deck, d);
+  check_references(deck, mesh, d);
+  ASSERT_EQ(d.errors().size(), 2u) << joined(d);
+  EXPECT_THAT(d.errors()[0], HasSubstr(":8:1: error: node set 4 is written with *SET_NODE_COLUMN_TITLE, which is not"));
+  EXPECT_THAT(d.errors()[1], HasSubstr(":9:1: error: node set 5 is not defined"));
+}
+
 TEST(SolidShapes, are_found_however_the_brick_is_turned) {
   EXPECT_EQ(recognised({1, 2, 3, 4, 5, 6, 7, 8}).shape, SolidShape::hex8);
   EXPECT_EQ(recognised({1, 2, 3, 4, 5, 5, 6, 6}).shape, SolidShape::wedge6);
