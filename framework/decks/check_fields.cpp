@@ -49,7 +49,7 @@ class BlockCheck {
     }
     for (const FieldSpec& field : spec.fields)
       if (!check_field(spec, field, card)) return;
-    if (commas) check_end(spec, card);
+    if (commas && spec.fields.back().type != FieldType::text) check_end(spec, card);
   }
 
   /// False where the rest of the card cannot be trusted.

@@ -92,15 +92,17 @@ bool CardSpec::has_commas(std::string_view card) const {
 
 FieldText CardSpec::text_of(const FieldSpec& field, std::string_view card, CardFormat format) const {
   if (fields.size() == 1 && field.type == FieldType::text) return {without_blanks(card), 1, 0};
+  const bool heading = fields.size() == 2 && fields.back().type == FieldType::text && field.place > 0;
+  if (heading && has_commas(card)) {  // the rest of the card, with the commas in it
+    const std::size_t comma = card.find(',');
+    return {without_blanks(card.substr(comma + 1)), static_cast<std::int32_t>(comma) + 2, 0};
+  }
   if (has_commas(card)) {
     const std::vector<FieldText> pieces = comma_fields(card);
     const auto place = static_cast<std::size_t>(field.place);
     return place < pieces.size() ? pieces[place] : FieldText{{}, static_cast<std::int32_t>(card.size()) + 1, 0};
   }
-  if (format == CardFormat::wide) {
-    const bool heading = fields.size() == 2 && fields.back().type == FieldType::text && field.place > 0;
-    return fixed_field(card, 20 * field.place + 1, heading ? 80 : 20);
-  }
+  if (format == CardFormat::wide) return fixed_field(card, 20 * field.place + 1, heading ? 80 : 20);
   return fixed_field(card, field.column, field.width);
 }
 

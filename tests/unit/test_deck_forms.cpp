@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "decks/deck_mesh.hpp"
 #include "decks/solid_shape.hpp"
@@ -168,6 +170,43 @@ TEST(DeckIncludes, carry_on_with_names_and_do_not_need_a_keyword) {
   Diagnostics d;
   EXPECT_EQ(sections_of(main, d), (std::map<std::int64_t, std::int64_t>{{5, 1}}));
   EXPECT_EQ(joined(d), "");
+}
+
+TEST(DeckContacts, have_headings_with_commas_and_optional_cards_behind_those_of_mpp) {
+  const fs::path path = written("kerf_contacts.k",
+                                "*KEYWORD\n*CONTACT_ERODING_SURFACE_TO_SURFACE_MPP_ID\n         7rod, \"x\"\n"
+                                "         0       200\n&\n         1         2         3         3\n       0.3\n\n"
+                                "         1         1         1\n         2\n"
+                                "*CONTACT_AUTOMATIC_SINGLE_SURFACE_TITLE\n7,ball, to plate\n         5\n");
+  Diagnostics d;
+  const Deck deck = read_deck(path.string(), {}, d);
+  check_fields(deck, d);
+  EXPECT_EQ(joined(d), "");
+  const Block &eroding = deck.blocks()[1], &single = deck.blocks()[2];
+  EXPECT_EQ(deck.heading(eroding), "rod, \"x\"");
+  EXPECT_EQ(deck.integer(eroding, 1, "surfb").value, 2);
+  EXPECT_EQ(deck.real(eroding, 2, "fs").value, 0.3);
+  EXPECT_EQ(deck.integer(eroding, 4, "erosop").value, 1);
+  EXPECT_EQ(deck.integer(eroding, 8, "soft").value, 2);
+  EXPECT_EQ(deck.heading(single), "ball, to plate");
+  EXPECT_EQ(deck.integer(single, 1, "surfa").value, 5);
+}
+
+TEST(DeckNodes, have_codes_in_all_widths) {
+  const fs::path path = written("kerf_codes.k",
+                                "*NODE %\n"
+                                "         1             0.0             0.0             0.0       7       3\n"
+                                "         2             1.0             0.0             0.0         7         3\n"
+                                "         3             1.0             1.0             0.0       7\n"
+                                "         4             0.0             1.0             0.0                 5\n"
+                                "*NODE\n       6             1.0             0.0             1.0       0       2\n"
+                                "7,1.,1.,1.,1\n8 ,0.,1., 1.,,2\n");
+  Diagnostics d;
+  const DeckMesh mesh = read_mesh(read_deck(path.string(), {}, d), d);
+  EXPECT_EQ(joined(d), "");
+  std::vector<std::pair<int, int>> codes;
+  for (const NodeCode& code : mesh.codes) codes.emplace_back(code.tc, code.rc);
+  EXPECT_EQ(codes, (std::vector<std::pair<int, int>>{{7, 3}, {7, 3}, {7, 0}, {0, 5}, {0, 2}, {1, 0}, {0, 2}}));
 }
 
 TEST(DeckSets, in_forms_that_are_not_read_are_errors_where_they_are_named) {
