@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "decks/deck.hpp"
-#include "mesh/mesh_file.hpp"
+#include "kerf/file_mesh.hpp"
 
 namespace kerf::decks {
 

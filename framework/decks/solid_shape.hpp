@@ -8,7 +8,7 @@
 
 namespace kerf::decks {
 
-/// A shape, and the nodes in the order of mesh_file.hpp. `ok` is false where the nodes make no shape of Kerf.
+/// A shape, and the nodes in the order of kerf/file_mesh.hpp. `ok` is false where the nodes make no shape of Kerf.
 struct RecognisedSolid {
   bool ok = false;
   SolidShape shape = SolidShape::hex8;
