@@ -1,0 +1,246 @@
+// Finds cards and fields of blocks, and reads their values.
+#include "decks/deck.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/assert.hpp"
+
+namespace kerf::decks {
+namespace {
+
+constexpr int most_errors_of_a_kind = 20;
+
+bool is_parameter_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
+
+/// Whether a field stands for a value that is defined elsewhere: "&name", "-&name", "<expression>".
+bool is_reference(std::string_view text) {
+  if (!text.empty() && text.front() == '<') return true;
+  if (!text.empty() && text.front() == '-') text.remove_prefix(1);
+  return text.size() > 1 && text[0] == '&' && is_parameter_letter(text[1]);
+}
+
+std::string quoted(std::string_view text) {
+  std::string shown = to_utf8(text.substr(0, 40));
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  return "\"" + shown + "\"";
+}
+
+/// A message in one line of UTF-8, whatever bytes of the deck it quotes.
+std::string in_one_line(const std::string& message) {
+  std::string line = to_utf8(message);
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  return line;
+}
+
+std::string no_number(std::string_view text) {
+  const std::size_t blank = text.find(' ');
+  if (blank == std::string_view::npos) return fmt::format("{} is no number", quoted(text));
+  return fmt::format("holds two values, {}: values stand in fixed columns or are separated by commas", quoted(text));
+}
+
+}  // namespace
+
+bool Block::has_option(std::string_view option) const {
+  return std::find(name.options.begin(), name.options.end(), option) != name.options.end();
+}
+
+Origin Deck::origin(const Place& place) const {
+  if (place.source < 0 || at(place.source) >= sources_.size()) return {};
+  return {sources_[at(place.source)].name, place.line, place.column};
+}
+
+Deck::Layout Deck::layout(const Block& block) const {
+  Layout layout;
+  if (!block.name.spec) return layout;
+  const KeywordSpec& spec = *block.name.spec;
+  const bool titled = block.has_option("TITLE") && spec.has(CardWhen::title);
+  const bool numbered = block.has_option("ID") || (block.has_option("TITLE") && !titled);
+  const bool all_repeat = !spec.has(CardWhen::always);
+  std::vector<const CardSpec*>& first = all_repeat ? layout.group : layout.top;
+  const auto add = [&](CardWhen when, std::vector<const CardSpec*>& to) {
+    for (const CardSpec& card : spec.cards) {
+      if (card.when != when) continue;
+      // The second card of _MPP is there only where it begins with an ampersand.
+      if (when == CardWhen::mpp && card.fields.front().name == "mpp2" &&
+          (to.size() >= block.n_cards || without_blanks(cards_of(block)[to.size()].view()).substr(0, 1) != "&"))
+        continue;
+      to.push_back(&card);
+    }
+  };
+  if (titled) add(CardWhen::title, first);
+  if (numbered) add(CardWhen::id, first);
+  if (block.has_option("MPP")) add(CardWhen::mpp, first);
+  add(CardWhen::always, layout.top);
+  add(CardWhen::more, layout.group);
+  add(CardWhen::optional, layout.top);
+  return layout;
+}
+
+std::size_t Deck::n_repeats(const Block& block) const {
+  const Layout l = layout(block);
+  std::size_t n = block.n_cards;
+  while (n > l.top.size() && is_blank(cards_of(block)[n - 1].view())) --n;
+  if (l.group.empty() || n <= l.top.size()) return 0;
+  return (n - l.top.size() + l.group.size() - 1) / l.group.size();
+}
+
+const Card* Deck::card(const Block& block, int number, std::size_t repeat) const {
+  const Layout l = layout(block);
+  const auto is_it = [&](const CardSpec* card) { return card->number == number; };
+  const auto in_top = std::find_if(l.top.begin(), l.top.end(), is_it);
+  auto index = static_cast<std::size_t>(in_top - l.top.begin());
+  if (in_top == l.top.end()) {
+    const auto in_group = std::find_if(l.group.begin(), l.group.end(), is_it);
+    if (in_group == l.group.end()) return nullptr;
+    index += repeat * l.group.size() + static_cast<std::size_t>(in_group - l.group.begin());
+  }
+  return index < block.n_cards ? cards_of(block) + index : nullptr;
+}
+
+FieldText Deck::field_text(const Block& block, int number, std::string_view name, std::size_t repeat,
+                           const FieldSpec** spec) const {
+  KERF_ASSERT(block.name.spec, "a field of a keyword that is not in the table");
+  const CardSpec* card_spec = block.name.spec->card(number);
+  KERF_ASSERT(card_spec, "a card that is not in the table");
+  *spec = card_spec->field(name);
+  KERF_ASSERT(*spec, "a field that is not in the table");
+  const Card* raw = card(block, number, repeat);
+  if (!raw) return {{}, (*spec)->column, 0};
+  return card_spec->text_of(**spec, raw->view(), block.format);
+}
+
+namespace {
+
+/// The place of a field, or of its keyword where its card is missing.
+Place place_of_field(const Deck& deck, const Block& block, int number, std::size_t repeat, const FieldText& text) {
+  const Card* raw = deck.card(block, number, repeat);
+  return raw ? Place{block.source, raw->line, text.column} : deck.place_of(block);
+}
+
+}  // namespace
+
+Field<double> Deck::real(const Block& block, int number, std::string_view name, std::size_t repeat) const {
+  const FieldSpec* spec = nullptr;
+  const FieldText text = field_text(block, number, name, repeat, &spec);
+  Field<double> field{spec->number, false, place_of_field(*this, block, number, repeat, text)};
+  double value = 0.0;
+  if (!text.text.empty() && read_real(block, text, value, field.place).empty()) {
+    field.value = value;
+    field.given = true;
+  }
+  return field;
+}
+
+Field<std::int64_t> Deck::integer(const Block& block, int number, std::string_view name, std::size_t repeat) const {
+  const FieldSpec* spec = nullptr;
+  const FieldText text = field_text(block, number, name, repeat, &spec);
+  Field<std::int64_t> field{static_cast<std::int64_t>(spec->number), false,
+                            place_of_field(*this, block, number, repeat, text)};
+  std::int64_t value = 0;
+  if (!text.text.empty() && read_integer(block, text, value, field.place).empty()) {
+    field.value = value;
+    field.given = true;
+  }
+  return field;
+}
+
+Field<std::string> Deck::text(const Block& block, int number, std::string_view name, std::size_t repeat) const {
+  const FieldSpec* spec = nullptr;
+  const FieldText text = field_text(block, number, name, repeat, &spec);
+  Field<std::string> field{spec->text, !text.text.empty(), place_of_field(*this, block, number, repeat, text)};
+  if (!field.given) return field;
+  field.value = to_utf8(text.text);
+  if (text.text.front() == '&') {
+    const Parameter* parameter = parameters_.find(text.text.substr(1), asker(block));
+    if (parameter && parameter->type == 'C') field.value = parameter->text;
+  }
+  return field;
+}
+
+std::string Deck::heading(const Block& block, std::size_t repeat) const {
+  if (!block.name.spec) return {};
+  for (const CardSpec& spec : block.name.spec->cards) {
+    if (spec.when != CardWhen::title && spec.when != CardWhen::id) continue;
+    const Card* raw = card(block, spec.number, repeat);
+    if (raw) return to_utf8(spec.text_of(spec.fields.back(), raw->view(), block.format).text);
+  }
+  return {};
+}
+
+Asker Deck::asker(const Block& block) const {
+  Asker asker{block.order, {}};
+  for (std::int32_t s = block.source; s >= 0; s = sources_[at(s)].parent) asker.sources.push_back(s);
+  return asker;
+}
+
+std::string Deck::read_reference(const Block& block, const FieldText& text, DeckNumber& value, Place& place) const {
+  std::string_view inner = text.text;
+  std::int32_t skipped = 0;
+  if (inner.front() == '<') {
+    if (inner.back() != '>') return fmt::format("{} begins an expression that no `>` ends", quoted(inner));
+    inner = inner.substr(1, inner.size() - 2);
+    skipped = 1;
+  }
+  const DeckExpression result = evaluate(inner, parameters_, asker(block));
+  value = result.value;
+  if (result.ok()) return {};
+  // The place within the line: where the text of the field begins, and then the place in it.
+  for (std::size_t k = 0; k < block.n_cards; ++k) {
+    const Card& card = cards_of(block)[k];
+    if (text.text.data() < card.text || text.text.data() >= card.text + card.length) continue;
+    place.column = static_cast<std::int32_t>(text.text.data() - card.text) + 1 + skipped + result.offset;
+  }
+  return result.error;
+}
+
+std::string Deck::read_real(const Block& block, const FieldText& text, double& value, Place& place) const {
+  if (read_deck_real(text.text, value)) return {};
+  if (!is_reference(text.text)) return no_number(text.text);
+  DeckNumber number;
+  std::string error = read_reference(block, text, number, place);
+  value = number.real;
+  return error;
+}
+
+std::string Deck::read_integer(const Block& block, const FieldText& text, std::int64_t& value, Place& place) const {
+  if (read_deck_integer(text.text, value)) return {};
+  DeckNumber number;
+  if (is_reference(text.text)) {
+    std::string error = read_reference(block, text, number, place);
+    if (!error.empty()) return error;
+  } else if (!read_deck_real(text.text, number.real)) {
+    return no_number(text.text);
+  }
+  value = static_cast<std::int64_t>(std::clamp(number.real, -9e15, 9e15));
+  if (static_cast<double>(value) == number.real) return {};
+  return fmt::format("{} is {}, not an integer", quoted(text.text), number.real);
+}
+
+DeckErrors::~DeckErrors() {
+  for (const auto& [kind, count] : errors_)
+    if (count.n > most_errors_of_a_kind)
+      diagnostics_.error(deck_.origin(count.last), fmt::format("and {} more errors of this kind, the last one here: {}",
+                                                               count.n - most_errors_of_a_kind, kind));
+  for (const auto& [kind, count] : warnings_)
+    if (count.n > most_errors_of_a_kind)
+      diagnostics_.warning(deck_.origin(count.last), fmt::format("and {} more of this kind, the last one here: {}",
+                                                                 count.n - most_errors_of_a_kind, kind));
+}
+
+void DeckErrors::error(const Place& place, std::string_view kind, const std::string& message) {
+  Count& count = errors_[kind];
+  count.last = place;
+  if (++count.n <= most_errors_of_a_kind) diagnostics_.error(deck_.origin(place), in_one_line(message));
+}
+
+void DeckErrors::warning(const Place& place, std::string_view kind, const std::string& message) {
+  Count& count = warnings_[kind];
+  count.last = place;
+  if (++count.n <= most_errors_of_a_kind) diagnostics_.warning(deck_.origin(place), in_one_line(message));
+}
+
+}  // namespace kerf::decks

@@ -1,0 +1,73 @@
+// Builds the mesh of a deck step by step: nodes, parts, solids, sets.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "decks/bulk_card.hpp"
+#include "decks/deck_mesh.hpp"
+#include "decks/solid_shape.hpp"
+
+namespace kerf::decks {
+
+/// Finds the index that belongs to a label: by a table where labels lie close together, or else by a search.
+class LabelIndex {
+ public:
+  /// Pre: the labels are positive.
+  explicit LabelIndex(const std::vector<std::int64_t>& labels);
+  /// The first index with this label, or -1.
+  std::int32_t operator()(std::int64_t label) const;
+
+ private:
+  std::int64_t lowest_ = 0;
+  std::vector<std::int32_t> table_;
+  std::vector<std::pair<std::int64_t, std::int32_t>> sorted_;
+};
+
+/// Fills a DeckMesh. For one use.
+class MeshBuilder {
+ public:
+  MeshBuilder(const Deck& deck, DeckErrors& errors) : deck_(deck), errors_(errors) {}
+  DeckMesh build();
+
+ private:
+  // deck_mesh.cpp
+  void read_nodes(const Block& block);
+  void keep_node_codes(const Block& block, BulkCard& fields, const Card& card, std::int32_t node);
+  void check_nodes();
+  void read_parts(const Block& block, std::int32_t number);
+  void finish_blocks();
+  // read_solids.cpp
+  void read_solids(const Block& block);
+  bool read_ids(BulkCard& nodes, std::size_t first, const Transform& transform, std::int64_t label,
+                std::array<std::int64_t, 10>& ids, std::array<Place, 10>& places);
+  void add_solid(const Block& block, std::int64_t label, std::int64_t part, const Place& place, const Place& part_place,
+                 const std::array<std::int64_t, 10>& ids, const std::array<Place, 10>& places);
+  std::int32_t part_index(std::int64_t id, std::int64_t label, const Place& place);
+  void check_volume(std::size_t cell, const std::array<std::int64_t, 10>& ids);
+  void check_solids();
+  // read_sets.cpp
+  void read_sets();
+  void read_set(const Block& block);
+  void read_node_set(const Block& block, std::int64_t id, const std::string& title);
+  void read_added_sets(const Block& block, std::int64_t id, const std::string& title);
+  void general_members(const Block& block, std::vector<std::int32_t>& nodes);
+  void read_segments(const Block& block, std::int64_t id, const std::string& title);
+  void read_id_set(const Block& block, std::int64_t id, const std::string& title);
+  std::int32_t node_named(const Block& block, std::int64_t written, const Place& place);
+  void add_nodes_of_part(std::int64_t part, std::vector<std::int32_t>& nodes) const;
+  void keep_node_set(const Block& block, std::int64_t id, const std::string& title, std::vector<std::int32_t> nodes);
+
+  const Deck& deck_;
+  DeckErrors& errors_;
+  DeckMesh out_;
+  std::vector<Place> node_places_;  // per node
+  std::unordered_map<std::int64_t, std::int32_t> part_of_id_;
+  bool declares_parts_ = false;
+  const LabelIndex* node_index_ = nullptr;
+  std::unordered_map<std::int64_t, std::size_t> node_set_of_id_, face_set_of_id_;
+};
+
+}  // namespace kerf::decks

@@ -1,0 +1,255 @@
+// Reads sets of nodes, parts, solids and segments.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "decks/mesh_builder.hpp"
+
+namespace kerf::decks {
+namespace {
+
+constexpr const char* ranges[4][2] = {{"b1beg", "b1end"}, {"b2beg", "b2end"}, {"b3beg", "b3end"}, {"b4beg", "b4end"}};
+
+template <class Value>
+void sort_once(std::vector<Value>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+bool is_read_set(const std::string& base) {
+  for (const char* name :
+       {"SET_NODE_LIST", "SET_NODE_LIST_GENERATE", "SET_NODE_GENERAL", "SET_NODE_ADD", "SET_PART_LIST",
+        "SET_PART_LIST_GENERATE", "SET_PART_ADD", "SET_SOLID", "SET_SOLID_GENERATE", "SET_SEGMENT"})
+    if (base == name) return true;
+  return false;
+}
+
+}  // namespace
+
+void MeshBuilder::read_sets() {
+  for (const Block& block : deck_.blocks())
+    if (is_read_set(block.base()) && block.base() != "SET_NODE_ADD") read_set(block);
+  for (const Block& block : deck_.blocks())  // their members may stand below
+    if (block.base() == "SET_NODE_ADD") read_set(block);
+}
+
+void MeshBuilder::read_set(const Block& block) {
+  const Field<std::int64_t> written = deck_.integer(block, 1, "sid");
+  if (written.value <= 0)
+    return errors_.error(written.place, "sets",
+                         fmt::format("a set has the id {}; expected one above zero", written.value));
+  const std::int64_t id = deck_.transform_of(block).id(written.value, IdKind::set);
+  const std::string title = deck_.heading(block);
+  if (block.base() == "SET_NODE_ADD") {
+    read_added_sets(block, id, title);
+  } else if (block.base().rfind("SET_NODE", 0) == 0) {
+    read_node_set(block, id, title);
+  } else if (block.base() == "SET_SEGMENT") {
+    read_segments(block, id, title);
+  } else {
+    read_id_set(block, id, title);
+  }
+}
+
+std::int32_t MeshBuilder::node_named(const Block& block, std::int64_t written, const Place& place) {
+  const std::int64_t id = deck_.transform_of(block).id(written, IdKind::node);
+  const std::int32_t node = (*node_index_)(id);
+  if (node < 0)
+    errors_.error(place, "nodes of sets", fmt::format("*{} names node {}, which is not defined", block.written, id));
+  return node;
+}
+
+void MeshBuilder::read_node_set(const Block& block, std::int64_t id, const std::string& title) {
+  std::vector<std::int32_t> nodes;
+  if (block.base() == "SET_NODE_GENERAL") {
+    general_members(block, nodes);
+    return keep_node_set(block, id, title, std::move(nodes));
+  }
+  const Transform& transform = deck_.transform_of(block);
+  for (std::size_t r = 0; r < deck_.n_repeats(block); ++r) {
+    for (int k = 0; k < 8 && block.base() == "SET_NODE_LIST"; ++k) {
+      const Field<std::int64_t> node = deck_.integer(block, 2, fmt::format("nid{}", k + 1), r);
+      if (node.value == 0) continue;
+      if (const std::int32_t index = node_named(block, node.value, node.place); index >= 0) nodes.push_back(index);
+    }
+    for (const auto& [begin, end] : ranges) {
+      if (block.base() == "SET_NODE_LIST") break;
+      const std::int64_t first = transform.id(deck_.integer(block, 2, begin, r).value, IdKind::node);
+      const std::int64_t last = transform.id(deck_.integer(block, 2, end, r).value, IdKind::node);
+      if (first == 0 && last == 0) continue;
+      const std::vector<std::int64_t>& labels = out_.mesh.node_labels;
+      for (std::size_t n = 0; n < labels.size(); ++n)  // numbers of the range that are no nodes are skipped
+        if (labels[n] >= first && labels[n] <= last) nodes.push_back(static_cast<std::int32_t>(n));
+    }
+  }
+  keep_node_set(block, id, title, std::move(nodes));
+}
+
+void MeshBuilder::add_nodes_of_part(std::int64_t part, std::vector<std::int32_t>& nodes) const {
+  const auto known = part_of_id_.find(part);
+  if (known == part_of_id_.end()) return;
+  for (std::size_t c = 0; c < out_.cell_part.size(); ++c)
+    if (out_.cell_part[c] == known->second)
+      nodes.insert(nodes.end(), out_.mesh.cells[c].begin(), out_.mesh.cells[c].end());
+  for (const TenNodes& ten : out_.ten_nodes)
+    if (out_.cell_part[static_cast<std::size_t>(ten.cell)] == known->second)
+      nodes.insert(nodes.end(), ten.nodes.begin(), ten.nodes.end());
+}
+
+// Lines of *SET_NODE_GENERAL: an option and up to seven ids; options that begin with D take members out again.
+void MeshBuilder::general_members(const Block& block, std::vector<std::int32_t>& nodes) {
+  const Transform& transform = deck_.transform_of(block);
+  for (std::size_t r = 0; r < deck_.n_repeats(block); ++r) {
+    const Field<std::string> option = deck_.text(block, 2, "option", r);
+    const std::string name = upper_case(option.value);
+    std::vector<std::int32_t> named;
+    if (name == "ALL") {
+      for (std::size_t n = 0; n < out_.mesh.points.size(); ++n) named.push_back(static_cast<std::int32_t>(n));
+    } else if (name != "NODE" && name != "PART" && name != "DNODE" && name != "DPART") {
+      errors_.error(option.place, "options of sets",
+                    fmt::format("option {} of *{} is not read; expected ALL, NODE, PART, DNODE or DPART",
+                                name.substr(0, 40), block.written));
+      continue;
+    }
+    for (int k = 1; k < 8 && name != "ALL"; ++k) {
+      const Field<std::int64_t> id = deck_.integer(block, 2, fmt::format("e{}", k), r);
+      if (id.value == 0) continue;
+      if (name == "PART" || name == "DPART") {
+        const std::int64_t part = transform.id(id.value, IdKind::part);
+        if (part_of_id_.count(part) == 0)
+          errors_.error(id.place, "parts of sets",
+                        fmt::format("*{} names part {}, which is not defined", block.written, part));
+        add_nodes_of_part(part, named);
+      } else if (const std::int32_t node = node_named(block, id.value, id.place); node >= 0) {
+        named.push_back(node);
+      }
+    }
+    sort_once(named);
+    if (name[0] != 'D') {
+      nodes.insert(nodes.end(), named.begin(), named.end());
+      continue;
+    }
+    nodes.erase(std::remove_if(nodes.begin(), nodes.end(),
+                               [&](std::int32_t n) { return std::binary_search(named.begin(), named.end(), n); }),
+                nodes.end());
+  }
+}
+
+void MeshBuilder::read_added_sets(const Block& block, std::int64_t id, const std::string& title) {
+  std::vector<std::int32_t> nodes;
+  const Transform& transform = deck_.transform_of(block);
+  for (std::size_t r = 0; r < deck_.n_repeats(block); ++r)
+    for (int k = 1; k <= 8; ++k) {
+      const Field<std::int64_t> field = deck_.integer(block, 2, fmt::format("nsid{}", k), r);
+      const std::int64_t other = transform.id(field.value, IdKind::set);
+      if (other == 0) continue;
+      const auto known = node_set_of_id_.find(other);
+      if (known == node_set_of_id_.end()) {
+        errors_.error(field.place, "sets", fmt::format("node set {} is not defined", other));
+        continue;
+      }
+      const std::vector<std::int32_t>& members = out_.mesh.node_sets[known->second].nodes;
+      nodes.insert(nodes.end(), members.begin(), members.end());
+    }
+  keep_node_set(block, id, title, std::move(nodes));
+}
+
+void MeshBuilder::keep_node_set(const Block& block, std::int64_t id, const std::string& title,
+                                std::vector<std::int32_t> nodes) {
+  std::vector<MeshNodeSet>& sets = out_.mesh.node_sets;
+  const auto [known, is_new] = node_set_of_id_.emplace(id, sets.size());
+  if (is_new) {
+    sort_once(nodes);
+    sets.push_back({title.empty() ? std::to_string(id) : title, id, std::move(nodes)});
+    return;
+  }
+  if (!block.has_option("COLLECT"))
+    return errors_.error(deck_.place_of(block), "sets",
+                         fmt::format("node set {} is defined twice; only sets with _COLLECT are put together", id));
+  MeshNodeSet& set = sets[known->second];
+  set.nodes.insert(set.nodes.end(), nodes.begin(), nodes.end());
+  sort_once(set.nodes);
+}
+
+// Four nodes each; a triangle has the third one again, or none, in the fourth place.
+void MeshBuilder::read_segments(const Block& block, std::int64_t id, const std::string& title) {
+  MeshFaceSet set{title.empty() ? std::to_string(id) : title, id, {}};
+  for (std::size_t r = 0; r < deck_.n_repeats(block); ++r) {
+    std::array<std::int32_t, 4> face = {};
+    bool ok = true;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Field<std::int64_t> node = deck_.integer(block, 2, fmt::format("n{}", k + 1), r);
+      if (k == 3 && node.value == 0) {
+        face[3] = face[2];
+        continue;
+      }
+      face[k] = node.value > 0 ? node_named(block, node.value, node.place) : -1;
+      if (node.value <= 0)
+        errors_.error(node.place, "segments", fmt::format("a segment of *{} has no node N{}", block.written, k + 1));
+      ok = ok && face[k] >= 0;
+    }
+    // In a mirror, the outside of a face is seen from the other side.
+    if (deck_.transform_of(block).motion.determinant() < 0.0)
+      face = face[3] == face[2] ? std::array{face[0], face[2], face[1], face[1]}
+                                : std::array{face[0], face[3], face[2], face[1]};
+    if (ok) set.faces.push_back(face);
+  }
+  if (!face_set_of_id_.emplace(id, out_.mesh.face_sets.size()).second)
+    return errors_.error(deck_.place_of(block), "sets", fmt::format("segment set {} is defined twice", id));
+  out_.mesh.face_sets.push_back(std::move(set));
+}
+
+void MeshBuilder::read_id_set(const Block& block, std::int64_t id, const std::string& title) {
+  const Transform& transform = deck_.transform_of(block);
+  const bool parts = block.base().rfind("SET_PART", 0) == 0, adds = block.base() == "SET_PART_ADD";
+  std::vector<DeckIdSet>& sets = parts ? out_.part_sets : out_.solid_sets;
+  DeckIdSet set{id, title, {}, deck_.place_of(block)};
+  std::vector<std::int64_t> known;  // what a range may name
+  for (const DeckPart& part : out_.parts)
+    if (parts) known.push_back(part.id);
+  if (!parts) known = out_.mesh.cell_labels;
+  const IdKind kind = parts ? IdKind::part : IdKind::element;
+  for (std::size_t r = 0; r < deck_.n_repeats(block); ++r) {
+    if (block.base().find("GENERATE") != std::string::npos) {
+      for (const auto& [begin, end] : ranges) {
+        const std::int64_t first = transform.id(deck_.integer(block, 2, begin, r).value, kind);
+        const std::int64_t last = transform.id(deck_.integer(block, 2, end, r).value, kind);
+        for (const std::int64_t label : known)
+          if (first != 0 && label >= first && label <= last) set.ids.push_back(label);
+      }
+      continue;
+    }
+    const char* stem = adds ? "psid" : parts ? "pid" : "k";
+    for (int k = 1; k <= 8; ++k) {
+      const Field<std::int64_t> member = deck_.integer(block, 2, fmt::format("{}{}", stem, k), r);
+      if (member.value == 0) continue;
+      const std::int64_t label = transform.id(member.value, adds ? IdKind::set : kind);
+      if (adds) {
+        const auto other = std::find_if(sets.begin(), sets.end(), [&](const DeckIdSet& s) { return s.id == label; });
+        if (other == sets.end())
+          errors_.error(member.place, "sets", fmt::format("part set {} is not defined above", label));
+        else
+          set.ids.insert(set.ids.end(), other->ids.begin(), other->ids.end());
+      } else if (parts && declares_parts_ && part_of_id_.count(label) == 0) {
+        errors_.error(member.place, "parts of sets",
+                      fmt::format("*{} names part {}, which is not defined", block.written, label));
+      } else {
+        set.ids.push_back(label);
+      }
+    }
+  }
+  sort_once(set.ids);
+  const auto twice = std::find_if(sets.begin(), sets.end(), [&](const DeckIdSet& s) { return s.id == id; });
+  if (twice == sets.end()) {
+    sets.push_back(std::move(set));
+  } else if (block.has_option("COLLECT")) {
+    twice->ids.insert(twice->ids.end(), set.ids.begin(), set.ids.end());
+    sort_once(twice->ids);
+  } else {
+    errors_.error(set.place, "sets",
+                  fmt::format("{} set {} is defined twice; first at {}", parts ? "part" : "solid", id,
+                              deck_.text_of(twice->place)));
+  }
+}
+
+}  // namespace kerf::decks
