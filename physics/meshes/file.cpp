@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "kerf/mesh.hpp"
+#include "kerf/plugin.hpp"
 
 namespace kerf {
 namespace {
