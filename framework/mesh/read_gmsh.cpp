@@ -1,6 +1,9 @@
 // Reads meshes of Gmsh, formats 2.2 and 4.1: https://gmsh.info/doc/texinfo/gmsh.html, "Gmsh file formats".
 #include <fmt/format.h>
 
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <utility>
@@ -11,6 +14,15 @@
 
 namespace kerf {
 namespace {
+
+/// The number that the text form of Gmsh holds, which has sixteen digits: one mesh has the same bits in every form.
+double as_written_in_text(double value) {
+  if (!std::isfinite(value)) return value;
+  std::array<char, 32> text{};
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 16);
+  std::from_chars(text.data(), written.ptr, value);
+  return value;
+}
 
 struct GmshType {
   int number;
@@ -381,6 +393,9 @@ bool GmshReader::read_node_tags(std::int64_t n) {
 }
 
 void GmshReader::finish_nodes() {
+  if (source_.binary)
+    for (std::array<double, 3>& x : mesh_.points)
+      for (double& value : x) value = as_written_in_text(value);
   if (mesh_.node_labels.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     errors_.at({}, "size", "there are more than 2147483647 nodes");
     broken_ = true;

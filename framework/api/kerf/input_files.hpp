@@ -16,7 +16,7 @@ class InputFiles {
   /// The text of a file, named relative to the input file; the same on all ranks. Sets `path` to what messages call it.
   /// Where it cannot be read, sets `failure` to a sentence.
   virtual std::string read(const std::string& name, std::string& path, std::string& failure) const = 0;
-  /// The mesh of a file, named relative to the input file; the same on all ranks, and the same object for the same file.
+  /// The mesh of a file, named relative to the input file; the same on all ranks, and one object for each file.
   /// Null where the file cannot be read: `complaints` gets the lines that say why, each with its place.
   virtual std::shared_ptr<const FileMesh> mesh(const std::string& name, std::vector<std::string>& complaints) const = 0;
   /// One of a unit of length, such as "mm", in metres; or a number that is not finite where there is no such unit.
