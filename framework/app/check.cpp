@@ -97,6 +97,7 @@ int check_command(const RunOptions& options, Registry& registry) {
   try {
     const auto input = load_input(runtime.comm(), options, registry);
     const activity::Task task("setting up the model", {input->checks.stall_limit, "checks.stall_limit", exit_physics});
+    if (root) fmt::print("{}", input->source_report);
     if (root) print_meshes(*input);
     Simulation simulation(runtime.comm(), *input);
     const ObserverHost observers(simulation, *input);  // throws where one of them cannot start

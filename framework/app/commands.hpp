@@ -24,6 +24,11 @@ struct RunOptions {
   std::vector<std::string> plugins;  // shared libraries, by path or by name
   bool resume = false;
   int ranks = 0;  // 0 where not given
+  // Of keyword decks.
+  std::string units;  // "g,cm,us"; empty where not given
+  int case_number = 0;  // 0 where not given
+  bool without_unsupported = false, strict = false;
+  bool has_deck_options() const { return !units.empty() || case_number != 0 || without_unsupported || strict; }
 };
 
 /// What `partition` is told.
@@ -46,6 +51,9 @@ struct TestPluginOptions {
 int run_command(const RunOptions& options, Registry& registry);
 int check_command(const RunOptions& options, Registry& registry);
 int partition_command(const PartitionOptions& options, Registry& registry);
+
+/// Writes a deck, or the mesh of a file, as case.yaml and mesh.h5 into a folder. Needs no MPI.
+int convert_command(const RunOptions& options, Registry& registry);
 
 // These need no MPI.
 /// Curves of laws along the paths of a drive file. Where `only_check`, nothing is written, and what has no reference is

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "app/load_plugins.hpp"
@@ -19,6 +20,7 @@
 #include "input/library.hpp"
 #include "input/read_model.hpp"
 #include "kerf/measure.hpp"
+#include "lowering/lowered_bytes.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -78,23 +80,78 @@ void check_memory(MPI_Comm comm, const ModelInput& input, const std::string& nam
       name, n, largest->name, n * bytes_per_element * 1e-9, size_of(comm), size_of(comm) == 1 ? "" : "s")});
 }
 
-std::unique_ptr<ModelInput> parse(const std::string& bytes, const RunOptions& options, const Registry& registry,
-                                  const FileReader& read, const std::vector<std::string>& library) {
-  const activity::Task task("reading the input", {activity::default_limit, "a fixed limit", exit_input_error});
-  Diagnostics diagnostics;
-  OriginMap origins;
-  auto input = read_model_input(options.input, bytes, options.overrides, registry, diagnostics, origins, read, library);
-  validate(*input, origins, diagnostics);
-  diagnostics.throw_if_errors();
-  input->warnings = diagnostics.warnings();
-  return input;
-}
-
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream list(text);
   std::vector<std::string> lines;
   for (std::string line; std::getline(list, line);) lines.push_back(line);
   return lines;
+}
+
+/// The input as rank 0 has read it: text of YAML, or a deck that has become a document.
+struct Source {
+  std::string bytes;
+  std::optional<lowering::LoweredDeck> deck;
+  std::vector<std::string> warnings;  // about the deck
+};
+
+std::unique_ptr<ModelInput> parse(Source source, const RunOptions& options, const Registry& registry,
+                                  const FileReader& read, const std::vector<std::string>& library) {
+  const activity::Task task("reading the input", {activity::default_limit, "a fixed limit", exit_input_error});
+  Diagnostics diagnostics;
+  OriginMap origins;
+  std::unique_ptr<ModelInput> input;
+  if (source.deck) {
+    MeshCache meshes;
+    const std::string folder = std::filesystem::path(options.input).parent_path().string();
+    meshes.add(path_from("", folder, source.deck->mesh_name), source.deck->mesh);
+    input = read_model_document(options.input, std::move(source.deck->document), std::move(meshes), options.overrides,
+                                registry, diagnostics, origins, read, library);
+    input->source_report = lowering::report_text(source.deck->report);
+  } else {
+    input =
+        read_model_input(options.input, source.bytes, options.overrides, registry, diagnostics, origins, read, library);
+  }
+  validate(*input, origins, diagnostics);
+  diagnostics.throw_if_errors();
+  input->warnings = source.warnings;
+  input->warnings.insert(input->warnings.end(), diagnostics.warnings().begin(), diagnostics.warnings().end());
+  return input;
+}
+
+/// What the file is. Throws InputError with all mistakes of a deck. Local.
+Source source_of(const std::string& bytes, const RunOptions& options) {
+  if (!lowering::is_deck(options.input, bytes)) {
+    if (options.has_deck_options())
+      throw InputError({options.input + ": error: --units, --case, --without-unsupported and --strict are for keyword "
+                                        "decks; expected a deck, or none of these options"});
+    return {bytes, {}, {}};
+  }
+  const activity::Task task("reading the deck", {activity::default_limit, "a fixed limit", exit_input_error});
+  Diagnostics diagnostics;
+  lowering::LoweredDeck deck = lowering::lower_deck(
+      options.input, {options.units, options.case_number, options.without_unsupported, options.strict}, diagnostics);
+  diagnostics.throw_if_errors();
+  return {{}, std::move(deck), diagnostics.warnings()};
+}
+
+/// What rank 0 has made of the file, on all ranks. Throws InputError on all of them. Collective.
+Source source_of_root(MPI_Comm comm, const std::string& bytes, const RunOptions& options) {
+  Source source;
+  std::string errors, lowered;
+  if (rank_of(comm) == 0) {
+    try {
+      source = source_of(bytes, options);
+      if (source.deck) lowered = lowering::packed(*source.deck);
+    } catch (const InputError& e) {
+      for (const std::string& line : e.lines()) errors += line + "\n";
+    }
+  }
+  errors = broadcast(comm, errors);
+  if (!errors.empty()) throw InputError(lines_of(errors));
+  lowered = broadcast(comm, lowered);
+  if (rank_of(comm) == 0) return source;
+  if (lowered.empty()) return {bytes, {}, {}};
+  return {{}, lowering::unpacked(lowered), {}};
 }
 
 /// The library folders as rank 0 knows them: other machines may have another environment. Collective.
@@ -116,8 +173,8 @@ std::string read_with_plugins(const RunOptions& options, Registry& registry) {
 
 void check_before_launch(const RunOptions& options, Registry& registry) {
   const std::string bytes = read_with_plugins(options, registry);
-  check_enough_elements(*parse(bytes, options, registry, read_text_file, library_folders()), options.input,
-                        options.ranks);
+  check_enough_elements(*parse(source_of(bytes, options), options, registry, read_text_file, library_folders()),
+                        options.input, options.ranks);
   // A rank takes about 20 MB before it holds anything. Under a batch system they may go to several machines.
   constexpr double bytes_per_rank = 2.0e7;
   for (const char* name : {"SLURM_JOB_ID", "PBS_JOBID", "LSB_JOBID", "OMPI_MCA_orte_default_hostfile"})
@@ -142,7 +199,7 @@ std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options,
     trouble = broadcast(comm, trouble);
     return broadcast(comm, text);
   };
-  auto input = parse(bytes, options, registry, read_on_root, library_of_root(comm));
+  auto input = parse(source_of_root(comm, bytes, options), options, registry, read_on_root, library_of_root(comm));
   check_enough_elements(*input, options.input, size_of(comm));
   check_memory(comm, *input, options.input);
   return input;

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "input/named_plugins.hpp"
+#include "lowering/lower_deck.hpp"
 #include "parallel/communicator.hpp"
 #include "plugin/loader.hpp"
 
@@ -89,6 +90,7 @@ std::string load(MPI_Comm comm, const std::string& path, Registry& registry) {
 std::vector<WantedPlugin> wanted_plugins(const RunOptions& options, const std::string& input_bytes) {
   std::vector<WantedPlugin> wanted;
   for (const std::string& name : options.plugins) wanted.push_back({name, name, ""});
+  if (lowering::is_deck(options.input, input_bytes)) return wanted;
   for (const NamedPlugin& plugin : named_plugins(options.input, input_bytes, options.overrides))
     wanted.push_back({plugin.name, plugin.path, plugin.origin.text()});
   return wanted;

@@ -44,8 +44,20 @@ void add_file(CLI::App& command, Arguments& a, const std::string& doc) {
   command.add_option("--output", a.run.output, "folder for the results")->type_name("DIR");
 }
 
+void add_deck_options(CLI::App& command, Arguments& a) {
+  command.add_option("--units", a.run.units, "units of a keyword deck: mass, length and time, or an alias as g-cm-us")
+      ->type_name("M,L,T");
+  command.add_option("--case", a.run.case_number, "case of a keyword deck that has *CASE")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--without-unsupported", a.run.without_unsupported,
+                   "leave out what a keyword deck asks for and Kerf does not do");
+  command.add_flag("--strict", a.run.strict, "refuse a keyword deck of which anything would be done in another way");
+}
+
 void add_input(CLI::App& command, Arguments& a) {
-  add_file(command, a, "input file");
+  add_file(command, a, "input file, or a keyword deck");
+  add_deck_options(command, a);
   command.add_option("--ranks", a.run.ranks, "number of MPI ranks")
       ->type_name("N")
       ->check(
@@ -78,6 +90,9 @@ void add_commands(CLI::App& app, Arguments& a) {
   add_input(*run, a);
   run->add_flag("--resume", a.run.resume, "continue from the last restart file in the output folder");
   add_input(*add_command(app, a, "check", "check an input file without running it"), a);
+  CLI::App* convert = add_command(app, a, "convert", "write a keyword deck, or a mesh, as case.yaml and mesh.h5");
+  add_file(*convert, a, "keyword deck, or a file of Gmsh, Abaqus or Exodus");
+  add_deck_options(*convert, a);
   add_partition(app, a);
   CLI::App* drive = add_command(app, a, "drive", "take laws along paths of deformation, one element at a time");
   add_file(*drive, a, "drive file");
@@ -132,6 +147,7 @@ int dispatch(const std::string& command, const Arguments& a, int argc, char** ar
   register_builtin_plugins(registry);
   if (command == "run" || command == "check" || command == "partition")
     return run_on_ranks(command, a, registry, argc, argv);
+  if (command == "convert") return convert_command(a.run, registry);
   if (command == "drive") return drive_command(a.run, registry, a.only_check);
   Diagnostics diagnostics;
   for (const std::string& path : a.run.plugins) load_plugin(path, registry, diagnostics);

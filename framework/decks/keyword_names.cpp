@@ -207,7 +207,6 @@ constexpr std::string_view foreign_names[] = {
     "LOAD_BODY_RX",
     "LOAD_BODY_RY",
     "LOAD_BODY_RZ",
-    "LOAD_NODE_POINT",
     "LOAD_RIGID_BODY",
     "LOAD_SHELL_SET",
     "LOAD_THERMAL_LOAD_CURVE",

@@ -28,6 +28,17 @@ MeshCache::Entry read_entry(const std::string& path, const FileReader& read, std
 
 }  // namespace
 
+void MeshCache::add(const std::string& path, std::shared_ptr<const FileMesh> mesh) {
+  Digest hash;
+  const auto add_bytes = [&](const auto& values) {
+    hash.add(std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof values[0]));
+  };
+  add_bytes(mesh->points);
+  add_bytes(mesh->cells);
+  digests.push_back(std::to_string(hash.value()));
+  entries[path] = {std::move(mesh), {}};
+}
+
 std::string path_from(const std::string& origin, const std::string& folder, const std::string& name) {
   return (std::filesystem::path(origin.starts_with("--") ? "" : folder) / name).lexically_normal().string();
 }

@@ -19,6 +19,8 @@ struct MeshCache {
   };
   std::map<std::string, Entry> entries;
   std::vector<std::string> digests;  // of the bytes of each file, in the order of reading
+  /// A mesh that another reader has made.
+  void add(const std::string& path, std::shared_ptr<const FileMesh> mesh);
 };
 
 /// A file named in the input is relative to the input's folder, one named on the command line to the present one.

@@ -173,6 +173,7 @@ struct ModelInput {
   std::string end_origin;  // where time.end was written
   std::vector<std::string> warnings;  // about the text of the input
   std::vector<LibraryUse> library_uses;  // sets of the material library that are in their places already
+  std::string source_report;  // what `kerf check` tells of a deck first; empty for other inputs
   std::string materials_text;  // the block `materials` with all sets written out; empty where none was named
   static void describe(Schema<ModelInput>& s);
   /// Whether loads, or observers, put forces on nodes.

@@ -107,34 +107,40 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
                                              const std::vector<std::string>& library) {
   std::optional<Node> root = read_yaml(file_name, bytes, diagnostics);
   if (!root) throw InputError(diagnostics.errors());
+  return read_model_document(file_name, std::move(*root), {}, overrides, registry, diagnostics, origins, read, library);
+}
+
+std::unique_ptr<ModelInput> read_model_document(const std::string& file_name, Node root, MeshCache meshes,
+                                                const std::vector<std::string>& overrides, const Registry& registry,
+                                                Diagnostics& diagnostics, OriginMap& origins, const FileReader& read,
+                                                const std::vector<std::string>& library) {
   const Origin top{std::make_shared<const std::string>(file_name), 1, 1};
-  for (const std::string& text : overrides) apply_override(*root, text, diagnostics);
-  substitute_parameters(*root, diagnostics);
-  move_balance_keys(*root, diagnostics);
+  for (const std::string& text : overrides) apply_override(root, text, diagnostics);
+  substitute_parameters(root, diagnostics);
+  move_balance_keys(root, diagnostics);
   auto model = std::make_unique<ModelInput>();
-  if (root->is_nothing()) {
+  if (root.is_nothing()) {
     diagnostics.error(top, "the input is empty; expected at least the keys time, materials and parts");
     return model;
   }
   const std::string folder = std::filesystem::path(file_name).parent_path().string();
-  model->library_uses = expand_library(*root, folder, library, read, diagnostics);
-  if (!model->library_uses.empty()) model->materials_text = yaml_text(materials_of(*root));
+  model->library_uses = expand_library(root, folder, library, read, diagnostics);
+  if (!model->library_uses.empty()) model->materials_text = yaml_text(materials_of(root));
   origins.add("", top);
   CurveTable curves(model->curves, folder, read, origins, diagnostics);
-  const Entry* parameters = std::as_const(*root).find("parameters");
+  const Entry* parameters = std::as_const(root).find("parameters");
   Binder(registry, diagnostics, origins, &curves, parameters ? &parameters->value : nullptr)
-      .bind_block(Schema<ModelInput>::described<ModelInput>(), *root, model.get(), "", top);
+      .bind_block(Schema<ModelInput>::described<ModelInput>(), root, model.get(), "", top);
   for (std::size_t k = 0; k < model->joined.size(); ++k)
     model->joined[k]->origin = origins.find("joined[" + std::to_string(k) + "].parts").text();
   curves.finish();
-  MeshCache meshes;
   read_balance_files(model->balance, folder, read, registry, origins, meshes, diagnostics);
   load_meshes(*model, folder, read, meshes, diagnostics);
   const bool observers_act = std::any_of(model->observers.begin(), model->observers.end(),
                                          [](const auto& o) { return o && o->calls().forces; });
   std::vector<std::string> texts = curves.file_texts();
   texts.insert(texts.end(), meshes.digests.begin(), meshes.digests.end());
-  model->digest = physics_digest(*root, texts, observers_act);
+  model->digest = physics_digest(root, texts, observers_act);
   for (std::size_t i = 0; i < model->initial_states.size(); ++i)
     model->initial_states[i]->origin = origins.find("initial_state[" + std::to_string(i) + "]").text();
   model->end_origin = origins.find("time.end").text();

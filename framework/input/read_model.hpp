@@ -8,6 +8,7 @@
 #include "core/diagnostics.hpp"
 #include "input/curve_table.hpp"
 #include "input/document.hpp"
+#include "input/files_of_input.hpp"
 #include "input/library.hpp"
 #include "input/model_input.hpp"
 #include "plugin/registry.hpp"
@@ -23,6 +24,12 @@ std::unique_ptr<ModelInput> read_model_input(const std::string& file_name, const
                                              Diagnostics& diagnostics, OriginMap& origins,
                                              const FileReader& read = read_text_file,
                                              const std::vector<std::string>& library = library_folders());
+
+/// The same for a document that another reader has made, whose meshes are in `meshes` already.
+std::unique_ptr<ModelInput> read_model_document(const std::string& file_name, Node root, MeshCache meshes,
+                                                const std::vector<std::string>& overrides, const Registry& registry,
+                                                Diagnostics& diagnostics, OriginMap& origins, const FileReader& read,
+                                                const std::vector<std::string>& library);
 
 /// Checks what no single block can know: names that refer to one another, faces, variables that laws read from one
 /// another. Prepares the mesh generators. May be called on a model with errors, to find all of them at once.

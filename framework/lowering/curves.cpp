@@ -1,0 +1,54 @@
+// Curves of a deck: points with scales and shifts, and functions of time in the document.
+#include <fmt/format.h>
+
+#include "lowering/lowering.hpp"
+
+namespace kerf::lowering {
+namespace {
+
+Node numbers(const std::vector<double>& values, const std::string& unit, const Origin& origin) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "[" : ", ") + number_text(value);
+  return scalar(text + "]" + (unit.empty() ? "" : " " + unit), origin);
+}
+
+}  // namespace
+
+Lowering::Points Lowering::curve_points(std::int64_t id, const Origin& where) {
+  const decks::Block* block = defined("DEFINE_CURVE", "lcid", id, decks::IdKind::function);
+  if (!block) {
+    error(where, fmt::format("curve {} is not defined", id));
+    return {};
+  }
+  const Row head = row(*block);
+  const decks::Transform& transform = deck.transform_of(*block);
+  if (transform.mass != 1.0 || transform.length != 1.0 || transform.time != 1.0)
+    refuse(head.origin(), fmt::format("curve {} stands in an include with factors of units, which do not tell what its "
+                                      "numbers are; write it into the main deck",
+                                      id));
+  const auto scale = [&](const char* field) { return head.value(field) == 0.0 ? 1.0 : head.value(field); };
+  Points points{{}, {}, head.origin()};
+  for (std::size_t r = 0; r < deck.n_repeats(*block); ++r) {
+    const Row point = row(*block, r);
+    points.x.push_back(scale("sfa") * (point.value("a1") + head.value("offa")));
+    points.y.push_back(scale("sfo") * (point.value("o1") + head.value("offo")));
+  }
+  return points;
+}
+
+std::string Lowering::curve(std::int64_t id, const Origin& where) {
+  std::string name = fmt::format("curve_{}", id);
+  if (curves_.count(id) > 0) return name;
+  const Points points = curve_points(id, where);
+  if (points.x.empty()) return {};
+  curves_.insert(id);
+  Node block = map_node(points.origin);
+  add(block, "times", numbers(points.x, units.text_of(time), points.origin));
+  add(block, "values", numbers(points.y, "", points.origin));
+  Entry* all = root.find("curves");
+  Node& map = all ? all->value : add(root, "curves", map_node(where));
+  add(map, name, std::move(block));
+  return name;
+}
+
+}  // namespace kerf::lowering
