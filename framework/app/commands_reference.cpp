@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 
 #include "app/commands.hpp"
 #include "core/diagnostics.hpp"
@@ -11,6 +12,7 @@
 #include "input/library_pages.hpp"
 #include "input/parameter_text.hpp"
 #include "input/reference_writer.hpp"
+#include "lowering/handled_fields.hpp"
 #include "report/output_reference.hpp"
 
 namespace kerf {
@@ -105,6 +107,7 @@ int schema_command(const Registry& registry) {
 int reference_command(const Registry& registry, const std::string& folder) {
   write_reference(registry, folder, output_reference(), describe_markdown(drive_description()));
   write_library_reference(read_library_of_kerf(), registry, folder);
+  write_page((std::filesystem::path(folder) / "decks.md").string(), lowering::rules_page());
   return exit_done;
 }
 

@@ -107,6 +107,7 @@ std::unique_ptr<ModelInput> parse(Source source, const RunOptions& options, cons
     input = read_model_document(options.input, std::move(source.deck->document), std::move(meshes), options.overrides,
                                 registry, diagnostics, origins, read, library);
     input->source_report = lowering::report_text(source.deck->report);
+    input->deck = lowering::note_of(source.deck->report);
   } else {
     input =
         read_model_input(options.input, source.bytes, options.overrides, registry, diagnostics, origins, read, library);

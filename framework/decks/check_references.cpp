@@ -71,7 +71,7 @@ class References {
       const Definition defines = definition_of(block.base());
       if (!defines.kind) continue;
       if (block.name.use != KeywordUse::tabled) {  // its cards are not known, but its first number is its id
-        defined_[defines.kind].insert(first_number(block, defines.offset));
+        defined_[defines.kind].insert(deck_.transform_of(block).id(deck_.first_integer(block), defines.offset));
         continue;
       }
       const std::size_t n =
@@ -88,24 +88,9 @@ class References {
       for (const auto& [stem, kind] : {std::pair{"SET_NODE", "node_set"}, std::pair{"SET_SEGMENT", "segment_set"},
                                        std::pair{"SET_PART", "part_set"}}) {
         if (!begins(block.base(), stem)) continue;
-        const std::int64_t id = first_number(block, IdKind::set);
+        const std::int64_t id = deck_.transform_of(block).id(deck_.first_integer(block), IdKind::set);
         if (!is_defined(kind, id)) unread_[{kind, id}] = block.written;
       }
-  }
-
-  /// The id on the first card below the title, of a keyword whose cards need not be known; 0 where there is none.
-  std::int64_t first_number(const Block& block, IdKind offset) const {
-    const bool titled = block.written.size() > 6 && block.written.substr(block.written.size() - 6) == "_TITLE";
-    const std::size_t first = titled ? 1 : 0;
-    if (first >= block.n_cards) return 0;
-    const std::string_view text = deck_.cards_of(block)[first].view();
-    const bool commas = text.find(',') != std::string_view::npos;
-    const FieldText field =
-        commas ? comma_fields(text)[0] : fixed_field(text, 1, block.format == CardFormat::wide ? 20 : 10);
-    std::int64_t id = 0;
-    Place place;
-    if (field.text.empty() || !deck_.read_integer(block, field, id, place).empty()) return 0;
-    return deck_.transform_of(block).id(id, offset);
   }
 
   void add(const Definition& defines, const Block& block, std::int64_t id) {

@@ -161,6 +161,18 @@ Field<std::string> Deck::text(const Block& block, int number, std::string_view n
   return field;
 }
 
+std::int64_t Deck::first_integer(const Block& block) const {
+  const std::size_t first = block.written.ends_with("_TITLE") ? 1 : 0;
+  if (first >= block.n_cards) return 0;
+  const std::string_view text = cards_of(block)[first].view();
+  const bool commas = text.find(',') != std::string_view::npos;
+  const FieldText field =
+      commas ? comma_fields(text)[0] : fixed_field(text, 1, block.format == CardFormat::wide ? 20 : 10);
+  std::int64_t id = 0;
+  Place place;
+  return field.text.empty() || !read_integer(block, field, id, place).empty() ? 0 : id;
+}
+
 std::string Deck::heading(const Block& block, std::size_t repeat) const {
   if (!block.name.spec) return {};
   for (const CardSpec& spec : block.name.spec->cards) {

@@ -55,6 +55,7 @@ struct Field {
 
 struct DeckOptions {
   int case_number = 0;  // 0: no case, blocks of *CASE are left out
+  bool unknown_is_left_out = false;  // warn of keywords of other physics, in place of errors
 };
 
 class Deck {
@@ -91,6 +92,9 @@ class Deck {
   Field<double> real(const Block& block, int card, std::string_view field, std::size_t repeat = 0) const;
   Field<std::int64_t> integer(const Block& block, int card, std::string_view field, std::size_t repeat = 0) const;
   Field<std::string> text(const Block& block, int card, std::string_view field, std::size_t repeat = 0) const;
+  /// The first number on the first card below the title, of a keyword whose cards need not be known; 0 where there is
+  /// none.
+  std::int64_t first_integer(const Block& block) const;
   /// The heading of a block with _TITLE or _ID, as UTF-8; empty where there is none.
   std::string heading(const Block& block, std::size_t repeat = 0) const;
 

@@ -127,12 +127,15 @@ void DeckReader::finish_block() {
   ++deck_.counts_[block.written.substr(0, 80)];
   if (block.name.use == KeywordUse::unknown) {
     const std::string near = nearest_keyword(block.base()), physics = physics_of_group(block.base());
-    errors_.error(
-        deck_.place_of(block), "unknown keywords",
+    const std::string message =
         fmt::format("unknown keyword *{}{}", shown(block.written),
                     !physics.empty() ? fmt::format(": its group is about {}, which Kerf does not compute", physics)
                     : near.empty()   ? "; no keyword of this name is known"
-                                     : "; did you mean *" + near + "?"));
+                                     : "; did you mean *" + near + "?");
+    if (!physics.empty() && options_.unknown_is_left_out)
+      errors_.warning(deck_.place_of(block), "unknown keywords", message + "; left out");
+    else
+      errors_.error(deck_.place_of(block), "unknown keywords", message);
     return;
   }
   if (base == "KEYWORD") read_keyword(deck_.blocks_.back());

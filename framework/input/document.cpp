@@ -161,12 +161,19 @@ void Digest::add(const Node& node) {
 }
 
 std::string yaml_text(const Node& node, int indent) {
-  if (!node.is_map()) return inline_yaml(node) + "\n";
+  const std::string margin(static_cast<std::size_t>(indent), ' ');
   std::string text;
+  if (node.is_list() && std::any_of(node.items.begin(), node.items.end(), [](const Node& i) { return i.is_map(); })) {
+    for (const Node& item : node.items) text += margin + "- " + inline_yaml(item) + "\n";
+    return text;
+  }
+  if (!node.is_map()) return inline_yaml(node) + "\n";
   for (const Entry& entry : node.entries) {
-    text += std::string(static_cast<std::size_t>(indent), ' ') + quoted(entry.key) + ":";
-    const bool is_block = entry.value.is_map() && !entry.value.entries.empty();
-    text += is_block ? "\n" + yaml_text(entry.value, indent + 2) : " " + inline_yaml(entry.value) + "\n";
+    text += margin + quoted(entry.key) + ":";
+    const Node& value = entry.value;
+    const bool is_block = (value.is_map() && !value.entries.empty()) ||
+                          (value.is_list() && !value.items.empty() && value.items.front().is_map());
+    text += is_block ? "\n" + yaml_text(value, indent + 2) : " " + inline_yaml(value) + "\n";
   }
   return text;
 }

@@ -58,7 +58,8 @@ class Digest {
   std::uint64_t value_ = 0xcbf29ce484222325ULL;
 };
 
-/// A node as YAML that reads back as the same tree: a block of maps, one key a line, with lists in one line.
+/// A node as YAML that reads back as the same tree: a block of maps, one key a line. Lists stand in one line,
+/// lists of maps in one line for each map.
 std::string yaml_text(const Node& node, int indent = 0);
 
 /// Remembers where the values of a model were written, by path: "parts.rod.material", "contacts[0].master".

@@ -148,6 +148,13 @@ struct LibraryUse {
   std::vector<std::string> overridden;  // paths inside the material
 };
 
+/// Where the input was a keyword deck: what became of it.
+struct DeckNote {
+  std::string units;  // "g, cm, us"; empty for other inputs
+  std::int64_t in_another_way = 0, left_out = 0;  // messages of these kinds
+  std::map<std::string, std::vector<std::string>> keywords;  // by what became of them
+};
+
 struct ModelInput {
   std::string title, precision;
   std::vector<std::string> plugins;  // shared libraries; they are loaded already
@@ -173,6 +180,7 @@ struct ModelInput {
   std::string end_origin;  // where time.end was written
   std::vector<std::string> warnings;  // about the text of the input
   std::vector<LibraryUse> library_uses;  // sets of the material library that are in their places already
+  DeckNote deck;
   std::string source_report;  // what `kerf check` tells of a deck first; empty for other inputs
   std::string materials_text;  // the block `materials` with all sets written out; empty where none was named
   static void describe(Schema<ModelInput>& s);

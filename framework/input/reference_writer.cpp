@@ -194,6 +194,7 @@ void write_reference(const Registry& registry, const std::string& folder, const 
       "changes belong there. On the terminal, `kerf list` and `kerf describe NAME` show the same.\n\n"
       "- [input](input.md): the whole input file\n"
       "- [drive](drive.md): the whole file of `kerf drive`\n"
+      "- [decks](decks.md): keywords and fields of keyword decks\n"
       "- [output](output.md): columns, keys, fields and timers that are written\n"
       "- [library](library/README.md): sets of constants of named materials\n";
   write_page((root / "input.md").string(), describe_markdown(input_description()));

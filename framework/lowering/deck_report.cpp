@@ -28,6 +28,12 @@ std::string shapes_of(const PartLine& part) {
 
 }  // namespace
 
+DeckNote note_of(const DeckReport& report) {
+  DeckNote note{report.units, report.n_differing, report.n_left_out, {}};
+  for (const KeywordLine& line : report.keywords) note.keywords[name_of(line.fate)].push_back("*" + line.keyword);
+  return note;
+}
+
 std::string report_text(const DeckReport& report) {
   std::string text = fmt::format("units                {} ({})\n\n", report.units, report.source_of_units);
   text += fmt::format("{:<46}{:<16}{}\n", "keyword", "", "where");

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "input/model_input.hpp"
+
 namespace kerf::lowering {
 
 /// What becomes of a keyword.
@@ -43,5 +45,7 @@ struct DeckReport {
 
 /// The report as tables, for `kerf check`.
 std::string report_text(const DeckReport& report);
+/// What stays of the report in summary.json.
+DeckNote note_of(const DeckReport& report);
 
 }  // namespace kerf::lowering

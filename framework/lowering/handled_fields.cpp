@@ -79,7 +79,8 @@ class Judge {
   Fate fate_of(const Block& block) {
     const KeywordRule* rule = rule_of(block.base());
     const Origin here = low_.deck.origin(low_.deck.place_of(block));
-    if (is_set(block.base()) || is_mesh_of_others(block)) return Fate::done;
+    if (is_set(block.base())) return Fate::done;
+    if (is_mesh_of_others(block)) return Fate::refused;
     if (const Fate unused = of_unused(block); unused != Fate::done) return unused;
     if (!rule) return of_unruled(block, here);
     if (!block.name.spec) return rule->fate;
@@ -89,11 +90,39 @@ class Judge {
 
   static bool is_set(const std::string& base) { return base.rfind("SET_", 0) == 0; }
 
-  /// Elements that are no solids: their parts are refused where they are used.
+  /// Elements that are no solids.
   bool is_mesh_of_others(const Block& block) {
     if (block.base().rfind("ELEMENT_", 0) != 0 || block.base() == "ELEMENT_SOLID") return false;
-    low_.refuse(low_.deck.origin(low_.deck.place_of(block)), fmt::format("*{}: Kerf has solids only", block.written));
+    const std::string parts = parts_of_elements(block);
+    low_.refuse(low_.deck.origin(low_.deck.place_of(block)),
+                fmt::format("*{}: Kerf has solids only{}", block.written, parts));
     return true;
+  }
+
+  /// "; 12 elements of part 2 cannot be run", from cards that begin with the ids of an element and of its part.
+  std::string parts_of_elements(const Block& block) const {
+    std::map<std::int64_t, int> counts;
+    for (std::size_t k = 0; k < block.n_cards; ++k) {
+      const std::string_view card = low_.deck.cards_of(block)[k].view();
+      const std::size_t comma = card.find(',');
+      std::string_view text = card.size() > 8 ? card.substr(8, 8) : std::string_view();
+      if (comma != card.npos) text = card.substr(comma + 1, card.find(',', comma + 1) - comma - 1);
+      std::int64_t part = 0;
+      if (decks::read_deck_integer(decks::without_blanks(text), part) && part > 0) ++counts[part];
+    }
+    std::string found;
+    for (const auto& [part, n] : counts)
+      found += fmt::format("{}{} element{} of part {}", found.empty() ? "; " : ", ", n, n == 1 ? "" : "s", part);
+    return found.empty() ? found : found + " cannot be run";
+  }
+
+  /// "part 2", "parts 2 and 3": where a definition is used.
+  std::string parts_with(std::int64_t decks::DeckPart::*member, std::int64_t id) const {
+    std::string found;
+    int n = 0;
+    for (const decks::DeckPart& part : low_.mesh.parts)
+      if (part.*member == id) found += fmt::format("{}{}", n++ == 0 ? "" : ", ", part.id);
+    return (n == 1 ? "part " : "parts ") + found;
   }
 
   /// Definitions that no part with elements names.
@@ -108,21 +137,13 @@ class Judge {
   }
 
   Fate is_used(const Block& block, std::string_view field, IdKind kind, const std::set<std::int64_t>& used) const {
-    if (!block.name.spec || !block.name.spec->card(1) || !has_field(block, field)) {
-      // Its cards are not known; its first number is its id.
-      std::int64_t id = 0;
-      const std::size_t first = block.written.size() > 6 && block.written.ends_with("_TITLE") ? 1 : 0;
-      if (first < block.n_cards) {
-        const std::string_view card = low_.deck.cards_of(block)[first].view();
-        const std::string_view text = card.substr(0, std::min<std::size_t>(card.find(','), 10));
-        decks::read_deck_integer(decks::without_blanks(text), id);
-      }
-      return used.count(low_.deck.transform_of(block).id(id, kind)) > 0 ? Fate::done : Fate::without_effect;
-    }
-    const std::size_t n = std::max<std::size_t>(low_.deck.n_repeats(block), 1);
-    for (std::size_t r = 0; r < n; ++r)
-      if (used.count(low_.row(block, r).id(field, kind).value) > 0) return Fate::done;
-    return Fate::without_effect;
+    bool found = false;
+    if (block.name.spec && block.name.spec->card(1) && has_field(block, field))
+      for (std::size_t r = 0; r < std::max<std::size_t>(low_.deck.n_repeats(block), 1); ++r)
+        found = found || used.count(low_.row(block, r).id(field, kind).value) > 0;
+    else
+      found = used.count(low_.deck.transform_of(block).id(low_.deck.first_integer(block), kind)) > 0;
+    return found ? Fate::done : Fate::without_effect;
   }
 
   static bool has_field(const Block& block, std::string_view field) {
@@ -139,20 +160,35 @@ class Judge {
     return Fate::refused;
   }
 
-  static std::string refusal(const Block& block) {
+  static bool is_concrete(const std::string& base) {
+    for (const char* word : {"CONCRETE", "CSCM", "WINFRITH", "RHT", "PSEUDO_TENSOR", "GEOLOGIC"})
+      if (base.find(word) != std::string::npos) return true;
+    return false;
+  }
+
+  std::string refusal(const Block& block) const {
     const std::string& base = block.base();
+    const decks::Transform& transform = low_.deck.transform_of(block);
+    const std::int64_t first = low_.deck.first_integer(block);
     if (base.rfind("MAT_", 0) == 0)
-      return fmt::format("*{} has no law in Kerf; doc/users/decks.md lists the materials that have one", block.written);
+      return fmt::format("*{} of {} has no law in Kerf; {}", block.written,
+                         parts_with(&decks::DeckPart::material, transform.id(first, IdKind::material)),
+                         is_concrete(base)
+                             ? "of laws of concrete it has *MAT_JOHNSON_HOLMQUIST_CONCRETE, and in its own "
+                               "input holmquist_johnson_cook and drucker_prager"
+                             : "doc/reference/decks.md lists the materials that have one");
     if (base.rfind("EOS_", 0) == 0)
-      return fmt::format("*{} has no equation of state in Kerf; doc/users/decks.md lists those that have one",
-                         block.written);
+      return fmt::format("*{} of {} has no equation of state in Kerf; doc/reference/decks.md lists those that have one",
+                         block.written, parts_with(&decks::DeckPart::eos, transform.id(first, IdKind::material)));
     if (base.rfind("CONTACT_", 0) == 0) return fmt::format("*{}: Kerf has no contact of this kind", block.written);
     if (base == "CONSTRAINED_LAGRANGE_IN_SOLID" || base == "CONSTRAINED_BEAM_IN_SOLID")
       return fmt::format("*{}: the coupling of beams and shells with solids is not done by Kerf", block.written);
     if (base.rfind("LOAD_BLAST", 0) == 0)
       return fmt::format("*{}: blast loads of decks are not taken; Kerf's own input has load `air_blast`",
                          block.written);
-    if (base.rfind("SECTION_", 0) == 0) return fmt::format("*{}: Kerf has solids only", block.written);
+    if (base.rfind("SECTION_", 0) == 0)
+      return fmt::format("*{}: Kerf has solids only; {} cannot be run", block.written,
+                         parts_with(&decks::DeckPart::section, transform.id(first, IdKind::other)));
     return fmt::format("*{} is not done by Kerf", block.written);
   }
 
@@ -175,6 +211,9 @@ class Judge {
     if (field.type == FieldType::text) return;
     const decks::Field<double> value = low_.deck.real(block, card.number, field.name, repeat);
     if (!value.given || is_allowed(value.value, field, rule)) return;
+    // A keyword that changes nothing but for its values is refused as a whole.
+    const KeywordRule* keyword = rule_of(block.base());
+    const bool refuses_all = keyword && keyword->fate != Fate::done;
     const std::string what = fmt::format(
         "*{} {} = {}: {}; expected {}", block.written, upper(field.name), value.value,
         rule.text.empty() || rule.how == Handling::used ? "this value is not known" : rule.text, listed(rule.allowed));
@@ -182,7 +221,7 @@ class Judge {
       low_.differ(low_.deck.origin(value.place),
                   fmt::format("*{} {} = {}: {}", block.written, upper(field.name), value.value, rule.text));
     else
-      low_.refuse(low_.deck.origin(value.place), what);
+      low_.refuse(low_.deck.origin(refuses_all ? low_.deck.place_of(block) : value.place), what);
   }
 
   static bool is_allowed(double value, const FieldSpec& field, const FieldRule& rule) {

@@ -46,4 +46,7 @@ struct UsedIds {
 /// Judges every keyword and every field of the deck, and notes the fates in the report.
 void check_handled(Lowering& lowering, const UsedIds& used);
 
+/// The rules as a page of the manual, in Markdown.
+std::string rules_page();
+
 }  // namespace kerf::lowering

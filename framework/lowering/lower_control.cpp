@@ -1,12 +1,20 @@
 // Title, time and output of a deck.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "lowering/lowering.hpp"
 
 namespace kerf::lowering {
 namespace {
 
 using decks::Block;
+
+/// A title without the sign that stands before names of parameters in an input.
+std::string without_dollars(std::string title) {
+  std::replace(title.begin(), title.end(), '$', ' ');
+  return title;
+}
 
 bool has_explosive(const Lowering& low) { return !low.blocks("MAT_HIGH_EXPLOSIVE_BURN").empty(); }
 

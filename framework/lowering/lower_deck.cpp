@@ -9,6 +9,7 @@
 
 #include "kerf/shape.hpp"
 #include "lowering/handled_fields.hpp"
+#include "lowering/lower_mesh.hpp"
 
 namespace kerf::lowering {
 namespace {
@@ -195,6 +196,13 @@ void lower(Lowering& low, const std::string& mesh_name) {
   name_mesh(low, mesh_name);
 }
 
+/// Whether a deck has neither an end time nor a material.
+bool is_mesh_only(const Deck& deck) {
+  return std::none_of(deck.blocks().begin(), deck.blocks().end(), [](const Block& block) {
+    return block.base() == "CONTROL_TERMINATION" || block.base().rfind("MAT_", 0) == 0;
+  });
+}
+
 bool is_keyword_line(std::string_view line) {
   return line.size() > 1 && line[0] == '*' &&
          ((line[1] >= 'A' && line[1] <= 'Z') || (line[1] >= 'a' && line[1] <= 'z'));
@@ -216,14 +224,29 @@ bool is_deck(const std::string& path, const std::string& bytes) {
   return false;
 }
 
+namespace {
+
+LoweredDeck mesh_alone(DeckMesh mesh, const LoweringOptions& options, Diagnostics& diagnostics) {
+  LoweredDeck result;
+  result.report.units = length_of(options.units, diagnostics);
+  result.mesh_name = "mesh.h5";
+  result.document = document_of_mesh(mesh.mesh, result.mesh_name, result.report.units);
+  result.mesh = std::make_shared<FileMesh>(std::move(mesh.mesh));
+  return result;
+}
+
+}  // namespace
+
 LoweredDeck lower_deck(const std::string& path, const LoweringOptions& options, Diagnostics& diagnostics) {
   LoweredDeck result;
-  const Deck deck = decks::read_deck(path, {options.case_number}, diagnostics);
+  const Deck deck = decks::read_deck(path, {options.case_number, options.without_unsupported}, diagnostics);
+  if (deck.sources().empty() || deck.blocks().empty()) return result;
   decks::check_fields(deck, diagnostics);
   DeckMesh mesh = decks::read_mesh(deck, diagnostics);
-  decks::check_references(deck, mesh, diagnostics);
+  const bool is_mesh = options.mesh_is_enough && is_mesh_only(deck);
+  if (!is_mesh) decks::check_references(deck, mesh, diagnostics);
   const bool is_sound = !diagnostics.has_errors();
-  if (deck.sources().empty() || deck.blocks().empty()) return result;
+  if (is_mesh) return mesh_alone(std::move(mesh), options, diagnostics);
   const std::optional<UnitSystem> found =
       is_sound ? Units(deck, options, diagnostics).find(result.report) : std::optional<UnitSystem>();
   const UnitSystem units = found ? *found : usual_systems().front().units;

@@ -53,7 +53,7 @@ class Parts {
     Node all = map_node(low_.root.origin);
     for (const DeckPart& part : low_.mesh.parts) {
       const std::string name = low_.part_name(part.id);
-      const MeshBlock* block = block_of(part.id);
+      MeshBlock* block = block_of(part.id);
       if (name.empty() || !block) continue;
       const Origin here = low_.deck.origin(part.place);
       Node node = map_node(here);
@@ -61,7 +61,8 @@ class Parts {
       add(mesh, "type", scalar("file", here));
       add(mesh, "file", scalar("", here));  // lower_deck knows how the mesh is called
       add(mesh, "unit", scalar(low_.units.length_name(), here));
-      add(mesh, "block", scalar(block->name, here));
+      block->name = name;
+      add(mesh, "block", scalar(name, here));
       add(node, "mesh", std::move(mesh));
       add(node, "element", element_of(part));
       add(all, name, std::move(node));
@@ -70,8 +71,8 @@ class Parts {
   }
 
  private:
-  const MeshBlock* block_of(std::int64_t id) const {
-    for (const MeshBlock& block : low_.mesh.mesh.blocks)
+  MeshBlock* block_of(std::int64_t id) const {
+    for (MeshBlock& block : low_.mesh.mesh.blocks)
       if (block.label == id) return &block;
     return nullptr;
   }

@@ -147,6 +147,7 @@ std::vector<Row> Lowering::rows(std::string_view base) const {
 const Block* Lowering::defined(std::string_view prefix, std::string_view field, std::int64_t id, IdKind kind) const {
   for (const Block& block : deck.blocks()) {
     if (block.base().rfind(prefix, 0) != 0 || !block.name.spec || !block.name.spec->card(1)) continue;
+    if (block.base().rfind("MAT_ADD_", 0) == 0) continue;  // it names a material, and is none
     if (block.name.spec->card(1)->field(field) && row(block).id(field, kind).value == id) return &block;
   }
   return nullptr;

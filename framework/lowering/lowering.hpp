@@ -24,6 +24,7 @@ struct LoweringOptions {
   int case_number = 0;
   bool without_unsupported = false;  // leave out what Kerf does not do
   bool strict = false;  // refuse what Kerf does in another way
+  bool mesh_is_enough = false;  // a deck without an end time and materials is a mesh, and becomes one
 };
 
 Node scalar(std::string text, Origin origin);
@@ -31,6 +32,8 @@ Node map_node(Origin origin);
 Node list_node(Origin origin);
 /// Adds a key to a map; returns its value, which is valid until the next one is added.
 Node& add(Node& map, std::string key, Node value);
+/// A title as one word of letters, digits and underscores; empty where that leaves nothing.
+std::string word_of(const std::string& title);
 /// The shortest text that reads back as `value`.
 std::string number_text(double value);
 

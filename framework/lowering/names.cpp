@@ -8,7 +8,12 @@
 namespace kerf::lowering {
 namespace {
 
-/// A title as one word of letters, digits and underscores; empty where that leaves nothing.
+bool is_number(const std::string& word) {
+  return std::all_of(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+}  // namespace
+
 std::string word_of(const std::string& title) {
   std::string word;
   for (const char c : title) {
@@ -22,12 +27,6 @@ std::string word_of(const std::string& title) {
   while (!word.empty() && word.back() == '_') word.pop_back();
   return word;
 }
-
-bool is_number(const std::string& word) {
-  return std::all_of(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
-
-}  // namespace
 
 void Lowering::name_parts() {
   std::map<std::string, int> uses;

@@ -40,6 +40,9 @@ FileMesh read_mesh(const MeshFileText& file, Diagnostics& diagnostics);
 /// The same for a file of this machine. Local.
 FileMesh read_mesh_file(const std::string& path, Diagnostics& diagnostics);
 
+/// Writes Kerf's own form of a mesh. Returns what has failed, or nothing. Local.
+std::string write_mesh(const FileMesh& mesh, const std::string& path);
+
 /// What no reader can have meant: cells with nodes that do not exist, labels that occur twice, cells in two blocks or
 /// in none, cells of the same nodes, blocks without cells. Added to `diagnostics`, at most twenty of each kind. Local.
 void check_mesh(const FileMesh& mesh, const std::string& name, Diagnostics& diagnostics);

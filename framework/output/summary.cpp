@@ -98,6 +98,11 @@ std::string summary_text(const Summary& s) {
   json["measures"] = object_of(s.measures, [](double v) { return Json(v); });
   json["not_measured"] = object_of(s.not_measured, [](const std::string& reason) { return Json(reason); });
   json["library"] = object_of(s.library, [](const Summary::LibrarySet& l) { return json_of(l); });
+  if (!s.deck.units.empty())
+    json["deck"] = {{"units", s.deck.units},
+                    {"in_another_way", s.deck.in_another_way},
+                    {"left_out", s.deck.left_out},
+                    {"keywords", s.deck.keywords}};
   json["warnings"] = s.warnings;
   json["timers"] = object_of(s.timers, [](const Summary::Timer& t) { return json_of(t); });
   json["steps"] = json_of(s.steps);

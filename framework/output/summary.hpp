@@ -69,6 +69,12 @@ struct Summary {
     bool verified = false;
     std::vector<std::string> overridden;  // paths of what the input gave in place of the set's values
   };
+  /// What became of the keyword deck that was the input.
+  struct Deck {
+    std::string units;  // empty where the input was none
+    std::int64_t in_another_way = 0, left_out = 0;
+    std::map<std::string, std::vector<std::string>> keywords;
+  };
   struct Spread {  // over ranks
     double min = 0.0, mean = 0.0, max = 0.0;
   };
@@ -103,6 +109,7 @@ struct Summary {
   std::map<std::string, double> measures;  // NaN where there is nothing to measure
   std::map<std::string, std::string> not_measured;  // why
   std::map<std::string, LibrarySet> library;  // by material
+  Deck deck;
   std::vector<std::string> warnings;  // of the check before the first step, then of the whole run
   std::map<std::string, Timer> timers;
   Timer steps;  // all phases that every step needs, together

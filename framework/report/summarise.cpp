@@ -155,6 +155,8 @@ Summary Reporter::summarise(const std::string& exit) {
   s.precision = model.input->precision;
   for (const LibraryUse& use : model.input->library_uses)
     s.library[use.material] = {use.set, use.file, use.hash, use.verified, use.overridden};
+  const DeckNote& deck = model.input->deck;
+  s.deck = {deck.units, deck.in_another_way, deck.left_out, deck.keywords};
   s.ranks = model.n_ranks();
   s.cycles = simulation_.clock().cycle();
   s.end_time = simulation_.clock().time();
