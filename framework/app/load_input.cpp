@@ -131,7 +131,11 @@ Source source_of(const std::string& bytes, const RunOptions& options) {
   Diagnostics diagnostics;
   lowering::LoweredDeck deck = lowering::lower_deck(
       options.input, {options.units, options.case_number, options.without_unsupported, options.strict}, diagnostics);
-  diagnostics.throw_if_errors();
+  if (diagnostics.has_errors()) {  // what was left out may be the reason
+    std::vector<std::string> lines = diagnostics.warnings();
+    lines.insert(lines.end(), diagnostics.errors().begin(), diagnostics.errors().end());
+    throw InputError(lines);
+  }
   return {{}, std::move(deck), diagnostics.warnings()};
 }
 
