@@ -6,24 +6,23 @@
 
 #include "core/diagnostics.hpp"
 #include "core/units.hpp"
-#include "input/document.hpp"
+#include "mesh/mesh_digest.hpp"
 #include "mesh/mesh_file.hpp"
 
 namespace kerf {
 
 namespace {
 
-MeshCache::Entry read_entry(const std::string& path, const FileReader& read, std::string& digest) {
+MeshCache::Entry read_entry(const std::string& path, const FileReader& read) {
   std::string failure;
   const std::string bytes = read(path, failure);
-  if (!failure.empty()) return {nullptr, {path + ": error: the file cannot be read: " + failure + "; expected a mesh"}};
-  Digest hash;
-  hash.add(bytes);
-  digest = std::to_string(hash.value());
+  if (!failure.empty())
+    return {nullptr, {path + ": error: the file cannot be read: " + failure + "; expected a mesh"}, {}};
   Diagnostics diagnostics;
   FileMesh mesh = read_mesh({bytes, path}, diagnostics);
-  if (diagnostics.has_errors()) return {nullptr, diagnostics.errors()};
-  return {std::make_shared<const FileMesh>(std::move(mesh)), {}};
+  if (diagnostics.has_errors()) return {nullptr, diagnostics.errors(), {}};
+  std::string digest = digest_text(mesh);
+  return {std::make_shared<const FileMesh>(std::move(mesh)), {}, std::move(digest)};
 }
 
 }  // namespace
@@ -42,11 +41,11 @@ std::shared_ptr<const FileMesh> FilesOfInput::mesh(const std::string& name,
   const std::string path = path_from(origin_, folder_, name);
   auto at = meshes_.entries.find(path);
   if (at == meshes_.entries.end()) {
-    std::string digest;
-    at = meshes_.entries.emplace(path, read_entry(path, read_, digest)).first;
-    meshes_.digests.push_back(digest);
+    at = meshes_.entries.emplace(path, read_entry(path, read_)).first;
     complaints.insert(complaints.end(), at->second.complaints.begin(), at->second.complaints.end());
   }
+  std::string& digests = meshes_.digests[name];
+  if (digests.find(at->second.digest) == std::string::npos) digests += at->second.digest;
   return at->second.mesh;
 }
 

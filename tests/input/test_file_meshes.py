@@ -127,7 +127,7 @@ def test_paraview_reads_the_ids_in_all_frames(tmp_path):
         np.testing.assert_array_equal(vtk_to_numpy(grid.GetCellData().GetArray("element_id")), element_ids)
 
 
-ERODING = {"density: 8930 kg/m3": "density: 8930 kg/m3\n    erosion: {criteria: [{type: effective_plastic_strain, "
+ERODING = {"density: 8930 kg/m3": "density: 8930 kg/m3\n    erosion: {criteria: [{type: plastic_strain, "
                                   "limit: 0.05}]}", "0 0 -200 m/s": "0 0 -600 m/s"}
 
 
@@ -159,6 +159,7 @@ def test_generated_meshes_have_the_numbers_of_the_model(tmp_path):
                           "plate: {{material: copper, mesh: {{type: block, size: 12 12 3 mm, cells: [8, 8, 2], "
                           "origin: 0 0 -3 mm}}}}")
     boxes = boxes.replace("edge: {{parts: [plate], face: plate edge}}", "edge: {{parts: [plate], face: x_max}}")
+    boxes = boxes.replace("{{face: symmetry", "{{parts: [bar], face: symmetry")
     assert boxes != MODEL
     write(tmp_path, model=boxes, **ERODING)
     run(tmp_path)
