@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-FLOORS = [["core"], ["profile", "parallel", "output", "plugin", "mesh"], ["input", "decks"], ["lowering", "model"],
+FLOORS = [["core"], ["profile", "parallel", "output", "plugin"], ["mesh"], ["input", "decks"], ["lowering", "model"],
           ["erosion", "loads", "partition"], ["contact"], ["review", "drive"], ["dynamics"], ["report", "conformance"],
           ["app"]]
 INCLUDE = re.compile(r'^\s*#include\s+"([^"/]+)/', re.M)

@@ -38,8 +38,7 @@ void write_case(const RunOptions& options, const Node& document, const FileMesh&
   std::filesystem::create_directories(folder, failure);
   if (failure) throw InputError({fmt::format("{}: error: the folder cannot be made: {}", folder, failure.message())});
   const std::string mesh_path = (std::filesystem::path(folder) / mesh_name).string();
-  const std::string fault = write_mesh(mesh, mesh_path);
-  if (!fault.empty()) throw InputError({fmt::format("{}: error: {}", mesh_path, fault)});
+  write_mesh(mesh, mesh_path);
   const std::string case_path = (std::filesystem::path(folder) / case_name).string();
   write_text(case_path, remark + yaml_text(document));
   fmt::print("{}\n{}\n", case_path, mesh_path);

@@ -15,6 +15,7 @@
 #include "core/diagnostics.hpp"
 #include "core/physics_error.hpp"
 #include "kerf/measure.hpp"
+#include "model/names.hpp"
 #include "model/setup.hpp"
 #include "output/collective.hpp"
 #include "output/results.hpp"
@@ -66,6 +67,12 @@ class MeshWriter {
   ResultsWriter results_;
 };
 
+std::vector<std::int64_t> labels_of_elements(const Model& model) {
+  std::vector<std::int64_t> labels(static_cast<std::size_t>(model.n_elements));
+  for (std::size_t e = 0; e < labels.size(); ++e) labels[e] = element_label(model, static_cast<std::int64_t>(e));
+  return labels;
+}
+
 /// Works through states, methods and numbers of parts.
 class Study {
  public:
@@ -81,6 +88,7 @@ class Study {
     if (model_.rank() == 0)
       on_rank_0([&] {
         file_ = std::make_unique<PartitionsFile>(folder_ + "/partitions.h5", options.run.input, model_.n_elements);
+        if (has_labels(model_)) file_->name_elements(labels_of_elements(model_));
       });
     share_failure();
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kerf/shape.hpp"
+#include "model/names.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -312,10 +313,8 @@ void ContactEngine::add_forces(Model& model, const Step& step, const Prediction&
   Exchange exchange(*this, model);
   effort_ = impacts.add_to(forces, exchange, plan.pace);
   if (forces.overflow_node() >= 0)
-    trouble_ =
-        fmt::format("the contact force on node {} (part {}, rank {}) is not finite or beyond all bounds",
-                    found_->node_id[forces.overflow_node()],
-                    model.parts[model.part_of_node(found_->node_id[forces.overflow_node()])].input->name, model.rank());
+    trouble_ = fmt::format("the contact force on {} is not finite or beyond all bounds",
+                           node_name(model, found_->node_id[forces.overflow_node()]));
   push(model);
   prediction_ = nullptr;
 }
@@ -353,10 +352,10 @@ std::vector<std::string> ContactEngine::initial_penetrations(Model& model) {
   if (node >= 0) {
     const Vec3 x = model.nodes.reference_position(node);
     text = fmt::format(
-        "{}: error: {} node{} lie{} inside another body at the start, the deepest by {:.4g} m: node {} of "
-        "part {} at ({:.5g}, {:.5g}, {:.5g}) m; move the parts apart",
-        law_.origin, found.n, found.n == 1 ? "" : "s", found.n == 1 ? "s" : "", found.worst.depth, found.worst.id,
-        model.parts[model.part_of_node(found.worst.id)].input->name, x.x, x.y, x.z);
+        "{}: error: {} node{} lie{} inside another body at the start, the deepest by {:.4g} m: {} at ({:.5g}, "
+        "{:.5g}, {:.5g}) m; move the parts apart",
+        law_.origin, found.n, found.n == 1 ? "" : "s", found.n == 1 ? "s" : "", found.worst.depth,
+        node_name(model, found.worst.id), x.x, x.y, x.z);
   }
   return {first_text(model.comm, text)};
 }

@@ -7,7 +7,7 @@
 
 #include "core/physics_error.hpp"
 #include "dynamics/simulation.hpp"
-#include "model/copies.hpp"
+#include "model/names.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -25,31 +25,42 @@ void Simulation::check(const Balance& b) const {
         l.nodes, l.deepest, input_.checks.let_go, l.first_time, b.time, clock_.cycle()));
 }
 
+namespace {
+
+struct Hottest {
+  double energy = 0.0;  // [J/kg]
+  std::int64_t id = -1;
+};
+
+/// The element that holds the most energy for its mass; of several the one with the lowest id. Collective.
+Hottest hottest_element(const Model& model) {
+  Hottest here{-std::numeric_limits<double>::infinity(), std::numeric_limits<std::int64_t>::max()};
+  for (const PartModel& part : model.parts)
+    for (int s = 0; s < part.store->n_slots(); ++s) {
+      if (!part.store->live(s)) continue;
+      double e = part.store->field(PartStore::internal_energy).at(s, 0) / part.store->field(PartStore::mass).at(s, 0);
+      if (std::isnan(e)) e = std::numeric_limits<double>::infinity();
+      const std::int64_t id = part.store->id(s);
+      if (e > here.energy || (e == here.energy && id < here.id)) here = {e, id};
+    }
+  const double energy = greatest(model.comm, here.energy);
+  const std::int64_t rival = here.energy == energy ? here.id : std::numeric_limits<std::int64_t>::max();
+  return {energy, -greatest(model.comm, -rival)};
+}
+
+}  // namespace
+
 void Simulation::check_energy(const Balance& b) const {
   if (!(std::fabs(b.error) <= input_.checks.energy_growth)) {
-    // The element that holds the most energy for its mass is where to look first.
-    struct Worst {
-      double energy;
-      std::int64_t id;
-    } worst{-std::numeric_limits<double>::infinity(), -1};
-    std::string name;
-    for (const PartModel& part : model_.parts)
-      for (int s = 0; s < part.store->n_slots(); ++s) {
-        if (!part.store->live(s)) continue;
-        const double e =
-            part.store->field(PartStore::internal_energy).at(s, 0) / part.store->field(PartStore::mass).at(s, 0);
-        if (!(e <= worst.energy)) {
-          worst = {e, part.store->id(s)};
-          name = element_name(model_, part.store->index(), worst.id);
-        }
-      }
-    const double greatest_energy = greatest(model_.comm, worst.energy);
-    const std::string text = first_text(model_.comm, worst.energy == greatest_energy ? name : std::string{});
+    // Where to look first.
+    const Hottest hottest = hottest_element(model_);
+    const bool any_left = hottest.id != std::numeric_limits<std::int64_t>::max();
     throw PhysicsError(fmt::format(
         "the energy balance is off by {:.2f} %, more than checks.energy_growth of {:.2f} %, at time {:.6g} s, cycle "
         "{}; "
         "the highest energy per mass, {:.4g} J/kg, is in {}",
-        100.0 * b.error, 100.0 * input_.checks.energy_growth, b.time, clock_.cycle(), greatest_energy, text));
+        100.0 * b.error, 100.0 * input_.checks.energy_growth, b.time, clock_.cycle(), any_left ? hottest.energy : 0.0,
+        any_left ? element_name(model_, hottest.id) : "no element, since none is left"));
   }
 }
 
@@ -67,8 +78,8 @@ void Simulation::check_speeds(double time) const {
     if (model_.nodes.id[i] >= lowest) continue;
     lowest = model_.nodes.id[i];
     trouble = fmt::format(
-        "node {} (part {}, rank {}) moves at {:.4g} m/s, faster than {:.4g} m/s, which is {}", lowest,
-        model_.parts[model_.nodes.part[i]].input->name, model_.rank(), norm(model_.nodes.v(i)), limit,
+        "{} moves at {:.4g} m/s, faster than {:.4g} m/s, which is {}", node_name(model_, lowest),
+        norm(model_.nodes.v(i)), limit,
         input_.checks.maximum_speed > 0.0
             ? "checks.maximum_speed"
             : "a hundred times the sound speed of the undeformed materials; give checks.maximum_speed where "

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "core/flush_denormals.hpp"
-#include "model/copies.hpp"
 #include "model/exposure.hpp"
+#include "model/names.hpp"
 
 namespace kerf {
 
@@ -147,12 +147,12 @@ void collect(const Model& model, const PartModel& part, const ElementArrays<Real
     report.trouble = fmt::format(
         "{} is inverted (its volume is not positive); give its material the erosion criterion "
         "inversion, refine the mesh, or use more hourglass control;",
-        element_name(model, store.index(), report.trouble_id));
+        element_name(model, report.trouble_id));
   } else if (w.bad_block >= 0) {
     report.trouble_id = most_stressed(store);
     const std::string law = law_at_fault(part, report.trouble_id);
     report.trouble = fmt::format("the forces of {} are not finite or beyond all bounds{}{}",
-                                 element_name(model, store.index(), report.trouble_id), law, law.empty() ? "" : ";");
+                                 element_name(model, report.trouble_id), law, law.empty() ? "" : ";");
   }
 }
 
@@ -166,8 +166,8 @@ void note(const Model& model, const PartModel& part, const LawError& e, ElementR
     if (id < 0 || store.id(slot) < id) id = store.id(slot);
   }
   report.trouble_id = id;
-  report.trouble = fmt::format("{} has thrown an exception for {}: {};", described(*e.law),
-                               element_name(model, store.index(), id), e.what());
+  report.trouble =
+      fmt::format("{} has thrown an exception for {}: {};", described(*e.law), element_name(model, id), e.what());
 }
 
 /// Calls `work`, and takes note of what a law throws.

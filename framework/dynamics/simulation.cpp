@@ -14,6 +14,7 @@
 #include "core/physics_error.hpp"
 #include "erosion/record.hpp"
 #include "model/copies.hpp"
+#include "model/names.hpp"
 #include "model/setup.hpp"
 #include "parallel/communicator.hpp"
 #include "review/model_warnings.hpp"
@@ -170,7 +171,7 @@ void Simulation::keep_side_books(bool of_reactions, bool of_contacts) {
   side_books_.take_contacts(contacts_);
 }
 
-std::string Simulation::setter_name(StepLimit limit, std::int64_t id) {
+std::string Simulation::setter_name(StepLimit limit, std::int64_t id) const {
   switch (limit) {
     case StepLimit::growth:
       return "time.growth";
@@ -183,7 +184,7 @@ std::string Simulation::setter_name(StepLimit limit, std::int64_t id) {
     case StepLimit::stable:
       break;
   }
-  return id >= 0 ? fmt::format("element {}", id) : "contact";
+  return id >= 0 ? element_name(model_, id) : "contact";
 }
 
 void Simulation::run() {
@@ -276,15 +277,13 @@ void Simulation::reduce(const Step& step, ElementReport report) {
   if (reduction_.least_id >= 0 && !(reduction_.least_step * input_.time.safety_factor >= least)) {
     std::string text;
     if (report.least_id == reduction_.least_id)
-      for (const PartModel& p : model_.parts)
-        if (report.least_id >= p.first_element && report.least_id < p.first_element + p.n_elements)
-          text = fmt::format(
-              "the stable time step of {} is {:.3g} s{}, below the minimum of {:.3g} s; give its material the "
-              "erosion criterion minimum_time_step or lower time.minimum_step;",
-              element_name(model_, p.store->index(), report.least_id), reduction_.least_step,
-              input_.time.safety_factor < 1.0 ? fmt::format(" (times safety_factor {:.3g})", input_.time.safety_factor)
-                                              : "",
-              least);
+      text = fmt::format(
+          "the stable time step of {} is {:.3g} s{}, below the minimum of {:.3g} s; give its material the "
+          "erosion criterion minimum_time_step or lower time.minimum_step;",
+          element_name(model_, report.least_id), reduction_.least_step,
+          input_.time.safety_factor < 1.0 ? fmt::format(" (times safety_factor {:.3g})", input_.time.safety_factor)
+                                          : "",
+          least);
     stop(text, reduction_.least_id, step);
   }
 }

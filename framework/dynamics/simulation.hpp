@@ -87,7 +87,7 @@ class Simulation {
   /// The step that will follow.
   Step next_step() const { return clock_.plan(reduction_.least_step); }
   double first_stable_step() const { return first_stable_; }
-  /// What sets the step that will follow, and what has set the last one: "element 12", "contact" or a key such as
+  /// What sets the step that will follow, and what has set the last one: "element 12 of part rod", "contact" or a key such as
   /// "time.maximum_step".
   std::string next_step_setter() const { return setter_name(next_step().limit, reduction_.least_id); }
   std::string last_step_setter() const { return setter_name(last_limit_, last_id_); }
@@ -122,7 +122,7 @@ class Simulation {
   void resume(const Progress& progress);
 
  private:
-  static std::string setter_name(StepLimit limit, std::int64_t id);
+  std::string setter_name(StepLimit limit, std::int64_t id) const;
   void refuse_bad_start(const ContactCover& cover);
   void renumbered();
   void rebalance(const Step& step);

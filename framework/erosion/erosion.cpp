@@ -9,6 +9,7 @@
 #include "core/assert.hpp"
 #include "model/copies.hpp"
 #include "model/held_energy.hpp"
+#include "model/names.hpp"
 
 namespace kerf {
 
@@ -59,6 +60,7 @@ std::vector<ErosionRecord> Erosion::erode(Model& model, const Step& step, Ledger
       r.time = step.end();
       r.cycle = step.cycle;
       r.element = store.id(f.slot);
+      r.label = element_label(model, r.element);
       r.part = part.input->name;
       r.criterion = part.material->erosion->criteria[f.criterion]->type;
       r.value = f.value;

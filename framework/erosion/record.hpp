@@ -15,6 +15,7 @@ struct ErosionRecord {
   double value = 0.0;  // of the criterion
   double mass = 0.0;  // [kg]
   double energy = 0.0;  // [J] internal energy that left with it
+  std::int64_t label = 0;  // the number that the user knows it by
 };
 
 }  // namespace kerf

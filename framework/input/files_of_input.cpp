@@ -6,37 +6,30 @@
 
 #include "core/diagnostics.hpp"
 #include "core/units.hpp"
-#include "input/document.hpp"
+#include "mesh/mesh_digest.hpp"
 #include "mesh/mesh_file.hpp"
 
 namespace kerf {
 
 namespace {
 
-MeshCache::Entry read_entry(const std::string& path, const FileReader& read, std::string& digest) {
+MeshCache::Entry read_entry(const std::string& path, const FileReader& read) {
   std::string failure;
   const std::string bytes = read(path, failure);
-  if (!failure.empty()) return {nullptr, {path + ": error: the file cannot be read: " + failure + "; expected a mesh"}};
-  Digest hash;
-  hash.add(bytes);
-  digest = std::to_string(hash.value());
+  if (!failure.empty())
+    return {nullptr, {path + ": error: the file cannot be read: " + failure + "; expected a mesh"}, {}};
   Diagnostics diagnostics;
   FileMesh mesh = read_mesh({bytes, path}, diagnostics);
-  if (diagnostics.has_errors()) return {nullptr, diagnostics.errors()};
-  return {std::make_shared<const FileMesh>(std::move(mesh)), {}};
+  if (diagnostics.has_errors()) return {nullptr, diagnostics.errors(), {}};
+  std::string digest = digest_text(mesh);
+  return {std::make_shared<const FileMesh>(std::move(mesh)), {}, std::move(digest)};
 }
 
 }  // namespace
 
 void MeshCache::add(const std::string& path, std::shared_ptr<const FileMesh> mesh) {
-  Digest hash;
-  const auto add_bytes = [&](const auto& values) {
-    hash.add(std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof values[0]));
-  };
-  add_bytes(mesh->points);
-  add_bytes(mesh->cells);
-  digests.push_back(std::to_string(hash.value()));
-  entries[path] = {std::move(mesh), {}};
+  std::string digest = digest_text(*mesh);
+  entries[path] = {std::move(mesh), {}, std::move(digest)};
 }
 
 std::string path_from(const std::string& origin, const std::string& folder, const std::string& name) {
@@ -53,11 +46,11 @@ std::shared_ptr<const FileMesh> FilesOfInput::mesh(const std::string& name,
   const std::string path = path_from(origin_, folder_, name);
   auto at = meshes_.entries.find(path);
   if (at == meshes_.entries.end()) {
-    std::string digest;
-    at = meshes_.entries.emplace(path, read_entry(path, read_, digest)).first;
-    meshes_.digests.push_back(digest);
+    at = meshes_.entries.emplace(path, read_entry(path, read_)).first;
     complaints.insert(complaints.end(), at->second.complaints.begin(), at->second.complaints.end());
   }
+  std::string& digests = meshes_.digests[name];
+  if (digests.find(at->second.digest) == std::string::npos) digests += at->second.digest;
   return at->second.mesh;
 }
 

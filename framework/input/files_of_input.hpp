@@ -16,9 +16,10 @@ struct MeshCache {
   struct Entry {
     std::shared_ptr<const FileMesh> mesh;  // null where the file is no mesh
     std::vector<std::string> complaints;
+    std::string digest;  // of the mesh, whatever its form
   };
   std::map<std::string, Entry> entries;
-  std::vector<std::string> digests;  // of the bytes of each file, in the order of reading
+  std::map<std::string, std::string> digests;  // by the name in the input; several where it names several files
   /// A mesh that another reader has made.
   void add(const std::string& path, std::shared_ptr<const FileMesh> mesh);
 };

@@ -37,6 +37,17 @@ Node without_limit(const Entry& entry) {
   return value;
 }
 
+/// Replaces names of mesh files by what is in them: a mesh may have another name and another form at a restart.
+void name_meshes_by_content(Node& node, const MeshCache& meshes) {
+  Entry* parts = node.find("parts");
+  if (!parts) return;
+  for (Entry& part : parts->value.entries)
+    if (Entry* mesh = part.value.find("mesh"))
+      for (Entry& entry : mesh->value.entries)
+        if (const auto at = meshes.digests.find(entry.value.text); at != meshes.digests.end())
+          entry.value.text = at->second;
+}
+
 /// Of precision, materials, parts, joints, sets, initial states, boundaries, contacts, checks, loads, curves with the
 /// files that they name, the choice of the time step, and observers if one of them adds forces: what is computed. How
 /// long, how it is distributed and what is written may change at a restart.
@@ -138,9 +149,9 @@ std::unique_ptr<ModelInput> read_model_document(const std::string& file_name, No
   load_meshes(*model, folder, read, meshes, diagnostics);
   const bool observers_act = std::any_of(model->observers.begin(), model->observers.end(),
                                          [](const auto& o) { return o && o->calls().forces; });
-  std::vector<std::string> texts = curves.file_texts();
-  texts.insert(texts.end(), meshes.digests.begin(), meshes.digests.end());
-  model->digest = physics_digest(root, texts, observers_act);
+  Node computed = root;
+  name_meshes_by_content(computed, meshes);
+  model->digest = physics_digest(computed, curves.file_texts(), observers_act);
   for (std::size_t i = 0; i < model->initial_states.size(); ++i)
     model->initial_states[i]->origin = origins.find("initial_state[" + std::to_string(i) + "]").text();
   model->end_origin = origins.find("time.end").text();

@@ -10,6 +10,7 @@
 
 #include "loads/facet_shares.hpp"
 #include "model/copies.hpp"
+#include "model/names.hpp"
 #include "model/node_group.hpp"
 #include "parallel/fetch_by_id.hpp"
 
@@ -95,10 +96,8 @@ void Loads::add(const Model& model, std::int32_t node, Vec3 newton, const ForceA
     if (fits) sum += std::llrint(quanta);
     if ((fits && std::fabs(static_cast<double>(sum)) < ForceScale::limit) || !trouble_.empty()) continue;
     trouble_ = fmt::format(
-        "the force of {} ({}) on node {} (part {}, rank {}), {:.4g} N, is not finite, or out of all proportion to what "
-        "the materials can bear;",
-        actor.name, actor.origin, model.nodes.id[node],
-        model.parts[static_cast<std::size_t>(model.nodes.part[node])].input->name, model.rank(), newton[d]);
+        "the force of {} ({}) on {}, {:.4g} N, is not finite, or out of all proportion to what the materials can bear;",
+        actor.name, actor.origin, node_name(model, model.nodes.id[node]), newton[d]);
   }
 }
 

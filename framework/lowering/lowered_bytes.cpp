@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/assert.hpp"
+#include "mesh/mesh_file.hpp"
 
 namespace kerf::lowering {
 namespace {
@@ -24,12 +25,6 @@ class Writer {
     put(text.size());
     bytes += text;
   }
-  template <class Value>
-  void put(const std::vector<Value>& values) {
-    static_assert(std::is_trivially_copyable_v<Value>);
-    put(values.size());
-    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
-  }
 };
 
 class Reader {
@@ -43,11 +38,6 @@ class Reader {
   void get(std::string& text) {
     text.resize(size());
     take(text.data(), text.size());
-  }
-  template <class Value>
-  void get(std::vector<Value>& values) {
-    values.resize(size());
-    take(values.data(), values.size() * sizeof(Value));
   }
   std::size_t size() {
     std::size_t n = 0;
@@ -125,70 +115,6 @@ void get_node(Reader& in, Node& node, FileTable& files) {
   }
 }
 
-// ---- meshes ----------------------------------------------------------------------------------------------------
-
-void put_mesh(Writer& out, const FileMesh& mesh) {
-  out.put(mesh.points);
-  out.put(mesh.node_labels);
-  out.put(mesh.cells);
-  out.put(mesh.cell_labels);
-  out.put(mesh.cell_places);
-  for (const std::vector<MeshBlock>* blocks : {&mesh.blocks, &mesh.cell_sets}) {
-    out.put(blocks->size());
-    for (const MeshBlock& block : *blocks) {
-      out.put(block.name);
-      out.put(block.label);
-      out.put(block.cells);
-      out.put(block.place);
-    }
-  }
-  out.put(mesh.node_sets.size());
-  for (const MeshNodeSet& set : mesh.node_sets) {
-    out.put(set.name);
-    out.put(set.label);
-    out.put(set.nodes);
-  }
-  out.put(mesh.face_sets.size());
-  for (const MeshFaceSet& set : mesh.face_sets) {
-    out.put(set.name);
-    out.put(set.label);
-    out.put(set.faces);
-  }
-  out.put(mesh.labels_repeat);
-  out.put(mesh.format);
-}
-
-void get_mesh(Reader& in, FileMesh& mesh) {
-  in.get(mesh.points);
-  in.get(mesh.node_labels);
-  in.get(mesh.cells);
-  in.get(mesh.cell_labels);
-  in.get(mesh.cell_places);
-  for (std::vector<MeshBlock>* blocks : {&mesh.blocks, &mesh.cell_sets}) {
-    blocks->resize(in.size());
-    for (MeshBlock& block : *blocks) {
-      in.get(block.name);
-      in.get(block.label);
-      in.get(block.cells);
-      in.get(block.place);
-    }
-  }
-  mesh.node_sets.resize(in.size());
-  for (MeshNodeSet& set : mesh.node_sets) {
-    in.get(set.name);
-    in.get(set.label);
-    in.get(set.nodes);
-  }
-  mesh.face_sets.resize(in.size());
-  for (MeshFaceSet& set : mesh.face_sets) {
-    in.get(set.name);
-    in.get(set.label);
-    in.get(set.faces);
-  }
-  in.get(mesh.labels_repeat);
-  in.get(mesh.format);
-}
-
 }  // namespace
 
 std::string packed(const LoweredDeck& deck) {
@@ -196,7 +122,7 @@ std::string packed(const LoweredDeck& deck) {
   Files files;
   put_node(out, deck.document, files);
   out.put(deck.mesh_name);
-  put_mesh(out, *deck.mesh);
+  out.put(kerf_mesh_bytes(*deck.mesh));
   return std::move(out.bytes);
 }
 
@@ -206,8 +132,11 @@ LoweredDeck unpacked(const std::string& bytes) {
   LoweredDeck deck;
   get_node(in, deck.document, files);
   in.get(deck.mesh_name);
-  deck.mesh = std::make_shared<FileMesh>();
-  get_mesh(in, *deck.mesh);
+  std::string mesh;
+  in.get(mesh);
+  Diagnostics diagnostics;
+  deck.mesh = std::make_shared<FileMesh>(read_kerf_mesh({mesh, deck.mesh_name}, diagnostics));
+  diagnostics.throw_if_errors();
   return deck;
 }
 

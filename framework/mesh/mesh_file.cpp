@@ -8,6 +8,7 @@
 
 #include "mesh/label_map.hpp"
 #include "mesh/mesh_errors.hpp"
+#include "output/hdf5_front.hpp"
 
 namespace kerf {
 namespace {
@@ -35,13 +36,15 @@ bool begins_exodus(std::string_view bytes) {
 
 FileMesh read_by_kind(const MeshFileText& file, Diagnostics& diagnostics) {
   const std::string ending = ending_of(file.name);
+  if (ending == ".h5" || hdf5::has_front(std::as_bytes(std::span(file.bytes))))
+    return read_kerf_mesh(file, diagnostics);
   if (begins_exodus(file.bytes)) return read_exodus(file, diagnostics);
   if (ending == ".msh" || file.bytes.starts_with("$MeshFormat")) return read_gmsh(file, diagnostics);
   if (ending == ".inp") return read_abaqus(file, diagnostics);
   MeshErrors errors(file.name, diagnostics);
   errors.at({}, "file",
             "neither the name nor the first bytes tell what this is; expected a mesh of Gmsh (.msh), Abaqus "
-            "(.inp) or Exodus (.exo, .ex2, .e, .g)");
+            "(.inp), Exodus (.exo, .ex2, .e, .g) or Kerf (.h5)");
   return {};
 }
 
@@ -158,7 +161,7 @@ FileMesh read_mesh_file(const std::string& path, Diagnostics& diagnostics) {
   std::string bytes;
   if (read_bytes(path, bytes)) return read_mesh({bytes, path}, diagnostics);
   MeshErrors errors(path, diagnostics);
-  errors.at({}, "file", "the file cannot be read; expected a mesh of Gmsh, Abaqus or Exodus");
+  errors.at({}, "file", "the file cannot be read; expected a mesh of Gmsh, Abaqus, Exodus or Kerf");
   return {};
 }
 

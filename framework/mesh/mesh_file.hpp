@@ -33,15 +33,19 @@ FileMesh read_abaqus(const MeshFileText& file, Diagnostics& diagnostics);
 /// TETRA4 that have elements; node sets and side sets keep their names. Messages name no line. Local.
 FileMesh read_exodus(const MeshFileText& file, Diagnostics& diagnostics);
 
-/// Whichever of the above the ending of the name and the first bytes tell: .msh, .inp, .exo, .e, .g, .ex2. Where the
-/// reader finds no mistake, check_mesh looks for more. Post: the mesh is sound where `diagnostics` has no new errors.
-/// Local.
+/// Kerf's own form, of which every byte is compared with a checksum, and the mesh with its digest. Local.
+FileMesh read_kerf_mesh(const MeshFileText& file, Diagnostics& diagnostics);
+/// A mesh in this form: all that a FileMesh holds, to the bit. Local.
+std::string kerf_mesh_bytes(const FileMesh& mesh);
+/// Writes it to a file, by convention NAME.h5, which is complete or not there. Throws std::runtime_error. Local.
+void write_mesh(const FileMesh& mesh, const std::string& path);
+
+/// Whichever of the above the ending of the name and the first bytes tell: .msh, .inp, .exo, .e, .g, .ex2, .h5. Where
+/// the reader finds no mistake, check_mesh looks for more. Post: the mesh is sound where `diagnostics` has no new
+/// errors. Local.
 FileMesh read_mesh(const MeshFileText& file, Diagnostics& diagnostics);
 /// The same for a file of this machine. Local.
 FileMesh read_mesh_file(const std::string& path, Diagnostics& diagnostics);
-
-/// Writes Kerf's own form of a mesh. Returns what has failed, or nothing. Local.
-std::string write_mesh(const FileMesh& mesh, const std::string& path);
 
 /// What no reader can have meant: cells with nodes that do not exist, labels that occur twice, cells in two blocks or
 /// in none, cells of the same nodes, blocks without cells. Added to `diagnostics`, at most twenty of each kind. Local.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "model/names.hpp"
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
 
@@ -108,6 +109,7 @@ std::vector<std::string> Constraints::complaints(const Model& model) const {
     // Of many nodes, the one with the lowest id speaks.
     std::int64_t n = 0, lowest = std::numeric_limits<std::int64_t>::max();
     std::string text;
+    int local = -1;
     for (int i = 0; i < model.nodes.n(); ++i) {
       if (!model.nodes.owned[i] || !group.holds(model.nodes, i)) continue;
       std::string line = b->complaint({model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)});
@@ -116,8 +118,13 @@ std::vector<std::string> Constraints::complaints(const Model& model) const {
       if (model.nodes.id[i] > lowest) continue;
       lowest = model.nodes.id[i];
       text = std::move(line);
+      local = i;
     }
     n = sum_of(model.comm, n);
+    if (local >= 0) {
+      const Vec3 x = model.nodes.x(local);
+      text = fmt::format("{} at ({:g}, {:g}, {:g}) m {}", node_name(model, lowest), x.x, x.y, x.z, text);
+    }
     if (lowest != -greatest(model.comm, -lowest)) text.clear();
     text = first_text(model.comm, text);
     if (n > 0)

@@ -1,15 +1,9 @@
 // Exchange of nodal sums between ranks.
 #include "model/copies.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace kerf {
-
-std::string element_name(const Model& model, int part, std::int64_t id) {
-  return fmt::format("element {} (part {}, rank {})", id, model.parts[part].input->name, model.rank());
-}
 
 void sum_over_copies(const Model& model, std::int64_t* values, int stride) {
   if (!model.ghost_plan) return;

@@ -1,8 +1,7 @@
-// Sums that are equal on all copies of a node, and how messages name an element.
+// Sums that are equal on all copies of a node.
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "model/model.hpp"
 
@@ -13,8 +12,5 @@ namespace kerf {
 void sum_over_copies(const Model& model, std::int64_t* values, int stride);
 /// Gives every copy of a node on other ranks the values of its owner. Collective.
 void copy_to_ghosts(const Model& model, std::int64_t* values, int stride);
-
-/// "element 17 (part rod, rank 0)".
-std::string element_name(const Model& model, int part, std::int64_t id);
 
 }  // namespace kerf

@@ -15,6 +15,7 @@
 #include "model/common_nodes.hpp"
 #include "model/migrator.hpp"
 #include "model/model.hpp"
+#include "model/names.hpp"
 #include "parallel/communicator.hpp"
 
 namespace kerf {
@@ -321,6 +322,19 @@ Vec3 common_velocity(const Model& model, std::int64_t node) {
 
 }  // namespace
 
+std::int64_t SharedNodes::before_joining(std::int64_t id) const {
+  // Up to the k-th merged number, k of its number less are left: these differences ascend, too.
+  std::size_t low = 0, high = merged.size();
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    if (merged[middle] - static_cast<std::int64_t>(middle) <= id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return id + static_cast<std::int64_t>(low);
+}
+
 void number_bodies(Model& model) {
   std::vector<std::vector<std::int32_t>> groups;  // of parts that are joined
   for (const auto& joint : model.input->joined) {
@@ -366,6 +380,7 @@ std::vector<std::int64_t> join_parts(Model& model, ModelBundle& bundle, const st
   MergedIds& ids = model.shared.ids;
   ids = MergedIds(model.comm, model.n_nodes, pairs);
   refuse_folded_parts(model, joints);
+  if (has_labels(model)) model.shared.merged = ids.all_merged(model.comm);
   std::vector<std::int64_t> old_ids, firsts;
   for (const NodeRecord& n : bundle.nodes) old_ids.push_back(n.id);
   const std::vector<std::int64_t> new_ids = ids.resolve(model.comm, old_ids);

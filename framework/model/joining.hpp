@@ -24,6 +24,10 @@ struct NodeShare {
 struct SharedNodes {
   MergedIds ids;  // from numbers in the parts' meshes, one part after the other, to the model's nodes
   std::vector<NodeShare> shares;  // of nodes whose id modulo the number of ranks is this rank; by node, then by part
+  std::vector<std::int64_t> merged;  // all numbers that became another node's, ascending, where meshes have labels
+
+  /// The number, before nodes were merged, of the node that has an id now. Pre: the mesh of a part has labels. Local.
+  std::int64_t before_joining(std::int64_t id) const;
 };
 
 /// Finds out which parts make up one body, because the input joins them or they share nodes of a file. Local.

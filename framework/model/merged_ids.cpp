@@ -160,6 +160,15 @@ std::vector<std::int64_t> MergedIds::resolve(MPI_Comm comm, const std::vector<st
   return numbers;
 }
 
+std::vector<std::int64_t> MergedIds::all_merged(MPI_Comm comm) const {
+  std::vector<std::int64_t> here, all;
+  for (const Merged& m : merged_) here.push_back(m.id);
+  // Blocks of ids follow one another in the order of the ranks.
+  for (const auto& list : all_to_all(comm, std::vector(static_cast<std::size_t>(size_of(comm)), here)))
+    all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
 std::vector<std::int64_t> MergedIds::n_survivors_below(MPI_Comm comm, const std::vector<std::int64_t>& ids) const {
   std::vector<std::int64_t> n_merged_below;
   for (const std::int64_t id : ids) {

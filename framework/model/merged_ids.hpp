@@ -52,6 +52,8 @@ class MergedIds {
     std::int64_t id = 0, survivor = 0;
   };
   const std::vector<Merged>& merged() const { return merged_; }
+  /// The old ids of all ranks that are no more, in ascending order. Collective.
+  std::vector<std::int64_t> all_merged(MPI_Comm comm) const;
 
  private:
   int home_of(std::int64_t id) const { return static_cast<int>(id / block_); }

@@ -21,6 +21,7 @@
 #include "model/joining.hpp"
 #include "model/law_variables.hpp"
 #include "model/migrator.hpp"
+#include "model/names.hpp"
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
 
@@ -72,22 +73,28 @@ struct MeshFacts {
   std::vector<std::array<double, 2>> sizes;  // per part: least and greatest longest edge of its elements [m]
   std::vector<double> shortest_edges;  // per part [m]
   std::vector<std::int64_t> n_unusable;  // per part: elements that cannot be computed
+  std::vector<std::int64_t> first_unusable;  // per part: the lowest id of one
   std::vector<Membership> memberships;  // that the nodes have
   std::string law_trouble;  // what a law has thrown for the first element that it did not like
 
   explicit MeshFacts(std::size_t n_parts)
       : sizes(n_parts, {std::numeric_limits<double>::max(), 0.0}),
         shortest_edges(n_parts, std::numeric_limits<double>::max()),
-        n_unusable(n_parts, 0) {
+        n_unusable(n_parts, 0),
+        first_unusable(n_parts, std::numeric_limits<std::int64_t>::max()) {
     scale.shortest_edge = std::numeric_limits<double>::max();
   }
 };
 
 /// Makes the record of a fresh element, and notes what its shape says.
-void weigh_element(const PartModel& part, std::size_t p, const CellCorners& x, double* record, MeshFacts& facts) {
+void weigh_element(const PartModel& part, std::size_t p, std::int64_t id, const CellCorners& x, double* record,
+                   MeshFacts& facts) {
   const Shape& shape = part.store->shape();
   const double volume = part.input->element->volume(x);
-  if (!(volume > 0.0) || !(min_scaled_jacobian(shape, x) > 0.0)) ++facts.n_unusable[p];
+  if (!(volume > 0.0) || !(min_scaled_jacobian(shape, x) > 0.0)) {
+    ++facts.n_unusable[p];
+    facts.first_unusable[p] = std::min(facts.first_unusable[p], id);
+  }
   const double edge = longest_edge(shape, x), shortest = shortest_edge(shape, x);
   facts.longest_edge = std::max(facts.longest_edge, edge);
   facts.scale.shortest_edge = std::min(facts.scale.shortest_edge, shortest);
@@ -160,7 +167,8 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
       }
       bundle.nodes.push_back(r);
     }
-    weigh_element(part, p, x, out.records.data() + static_cast<std::size_t>(e - first) * size, facts);
+    weigh_element(part, p, part.first_element + e, x, out.records.data() + static_cast<std::size_t>(e - first) * size,
+                  facts);
     out.ids.push_back(part.first_element + e);
     out.nodes.push_back(ids);
   }
@@ -172,13 +180,16 @@ void refuse_unusable(const Model& model, const MeshFacts& facts) {
   std::vector<std::string> errors;
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     const std::int64_t n = sum_of(model.comm, facts.n_unusable[p]);
+    const std::int64_t first = -greatest(model.comm, -facts.first_unusable[p]);
     const PartInput& part = *model.parts[p].input;
+    const bool labels = part.mesh->has_labels();
     if (n > 0)
-      errors.push_back(
-          fmt::format("{}: error: {} of the {} elements of part {} {} no volume or a corner turned inside "
-                      "out; change the parameters of the mesh{}",
-                      part.mesh->origin, n, model.parts[p].n_elements, part.name, n == 1 ? "has" : "have",
-                      part.placement.empty() ? "" : " or the placement of the part"));
+      errors.push_back(fmt::format(
+          "{}: error: {} of the {} elements of part {} {} no volume or a corner turned inside out{}; change {}{}",
+          part.mesh->origin, n, model.parts[p].n_elements, part.name, n == 1 ? "has" : "have",
+          labels ? fmt::format(", the first of them element {}", element_label(model, first)) : "",
+          labels ? "the file" : "the parameters of the mesh",
+          part.placement.empty() ? "" : " or the placement of the part"));
   }
   if (!errors.empty()) throw InputError(errors);
 }
@@ -252,8 +263,8 @@ void reweigh_elements(const Model& model, const std::vector<std::int64_t>& moved
         x[k] = {at[0], at[1], at[2]};
       }
       if (any)
-        weigh_element(model.parts[p], p, x, &elements.records[e * static_cast<std::size_t>(store.record_size())],
-                      facts);
+        weigh_element(model.parts[p], p, elements.ids[e], x,
+                      &elements.records[e * static_cast<std::size_t>(store.record_size())], facts);
     }
   }
 }

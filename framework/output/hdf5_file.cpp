@@ -1,56 +1,28 @@
-// The beginning of the file: HDF5's superblock, and behind it Kerf's own record of 80 bytes.
-//
-//   0  superblock (48 bytes)        72 place of the packed description    104 checksum of image and description
-//  48  "KerfFile"                   80 its size                           112 0
-//  56  place of the image           88 size of the file                   120 checksum of all bytes before
-//  64  size of the image            96 0
+// Storage, states and checksums of a file that all ranks write.
 #include "output/hdf5_file.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <functional>
 #include <stdexcept>
 
 #include "output/checksum.hpp"
 #include "output/collective.hpp"
+#include "output/hdf5_front.hpp"
 
 namespace kerf::hdf5 {
 
 namespace {
 
-constexpr std::uint64_t front_size = 128;
-constexpr char magic[] = "KerfFile";
-
-/// What the record behind the superblock says.
-struct Front {
-  std::uint64_t image = 0, image_size = 0, index = 0, index_size = 0, file_size = 0, checksum = 0;
-};
-
-std::vector<std::byte> front_bytes(const Front& front, std::uint64_t root) {
-  std::vector<std::byte> bytes = superblock(root, front.file_size);
-  bytes.resize(front_size);
-  std::memcpy(&bytes[48], magic, 8);
-  const std::uint64_t numbers[] = {
-      front.image, front.image_size, front.index, front.index_size, front.file_size, 0, front.checksum, 0};
-  std::memcpy(&bytes[56], numbers, sizeof numbers);
-  const std::uint64_t checksum = crc64(std::span(bytes).first(front_size - 8));
-  std::memcpy(&bytes[front_size - 8], &checksum, 8);
-  return bytes;
-}
-
 Front read_front(const File& file) {
   std::array<std::byte, front_size> bytes{};
-  if (file.size() < front_size) throw std::runtime_error("\"" + file.path() + "\" is no file of Kerf's: too short");
-  file.read_at(0, bytes);
-  if (std::memcmp(&bytes[48], magic, 8) != 0)
-    throw std::runtime_error("\"" + file.path() + "\" was not written by this version of Kerf, or is damaged");
-  std::uint64_t checksum = 0, numbers[7] = {};
-  std::memcpy(&checksum, &bytes[front_size - 8], 8);
-  if (checksum != crc64(std::span(bytes).first(front_size - 8)))
-    throw std::runtime_error("\"" + file.path() + "\" is damaged: its beginning does not fit its checksum");
-  std::memcpy(numbers, &bytes[56], sizeof numbers);
-  return {numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[6]};
+  const std::uint64_t n = std::min(file.size(), front_size);
+  file.read_at(0, std::span(bytes).first(n));
+  try {
+    return front_of(std::span(bytes).first(n));
+  } catch (const std::exception& e) {
+    throw std::runtime_error("\"" + file.path() + "\" " + e.what());
+  }
 }
 
 void broadcast(MPI_Comm comm, std::vector<std::byte>& bytes) {

@@ -19,7 +19,12 @@ using hdf5::Dataset;
 using hdf5::Group;
 
 constexpr std::uint8_t hidden_cell = 32;  // vtkDataSetAttributes::HIDDENCELL
-const std::vector<std::string> static_cell_arrays{"GlobalElementId", "part"};
+constexpr char element_id[] = "element_id", node_id[] = "node_id";
+
+/// Whether a table of points or cells is the same in all frames.
+bool is_static(const std::string& name) {
+  return name == "GlobalElementId" || name == "part" || name == element_id || name == node_id;
+}
 
 /// A quantity with the same number of rows in every frame.
 struct Series {
@@ -141,6 +146,7 @@ class ResultsWriter::Impl {
 
   void write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
                       std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts);
+  void write_labels(Entities& kind, const char* name, const ResultsWriter::LabelOf& label);
   void begin_frame(double time, bool same_entities);
   void add_points(std::span<const std::int64_t> gids, const HeldValues<double>& positions);
   void add_field(Entities& kind, const std::string& name, int components, std::span<const std::int64_t> gids,
@@ -168,6 +174,8 @@ class ResultsWriter::Impl {
     return SlabExchange::slab_begin(kind.n, rank_ + 1, n_ranks_) - begin_of(kind);
   }
   Series& series_to_write(Entities& kind, const std::string& name, int components, hdf5::Type type);
+  template <class T>
+  void store(Group& group, const char* name, std::int64_t rows, std::int64_t first, const std::vector<T>& values);
   template <class Transfer>
   void for_blocks(const Dataset& table, std::uint64_t first_row, std::size_t n_bytes, Transfer&& transfer) const;
   template <class T>
@@ -218,7 +226,8 @@ ResultsWriter::Impl::Impl(MPI_Comm comm, const std::string& path, std::int64_t n
   // Every frame is the same single partition with the same cells; only the points move on.
   for (const char* name : {"PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"})
     steps_->datasets[name] = small_table<std::int64_t>({});
-  for (const std::string& name : static_cell_arrays) elements_.offsets->datasets[name] = small_table<std::int64_t>({});
+  for (const char* name : {"GlobalElementId", "part"})
+    elements_.offsets->datasets[name] = small_table<std::int64_t>({});
   root_->datasets["Points"] = growing_table(real_type(), 3, n_nodes);
   points_ = &root_->datasets.at("Points");
   read_last_points();
@@ -262,7 +271,7 @@ void ResultsWriter::Impl::find_groups() {
 
 void ResultsWriter::Impl::find_series(Entities& kind) {
   for (auto& [name, data] : kind.arrays->datasets) {
-    if (std::ranges::find(static_cell_arrays, name) != static_cell_arrays.end()) continue;
+    if (is_static(name)) continue;
     Series series{&data, &kind.offsets->datasets.at(name), static_cast<int>(data.row_bytes() / data.type.size)};
     kind.series.emplace(name, series);
   }
@@ -279,7 +288,9 @@ void ResultsWriter::Impl::for_step_tables(Use&& use) {
     if (name == "Values") continue;
     use(table, name == "NumberOfParts" ? 1 : name == "PointOffsets" ? first_row(*points_, nodes_.n) : 0);
   }
-  for (const std::string& name : static_cell_arrays) use(elements_.offsets->datasets.at(name), std::int64_t{0});
+  for (Entities* kind : {&nodes_, &elements_})
+    for (auto& [name, offsets] : kind->offsets->datasets)
+      if (is_static(name)) use(offsets, std::int64_t{0});
   for (Entities* kind : {&nodes_, &elements_})
     for (auto& [name, series] : kind->series) use(*series.offsets, first_row(*series.data, kind->n));
 }
@@ -352,6 +363,18 @@ struct Cells {
 
 }  // namespace
 
+/// A list that is written once, of which this rank has the values from row `first` on.
+template <class T>
+void ResultsWriter::Impl::store(Group& group, const char* name, std::int64_t rows, std::int64_t first,
+                                const std::vector<T>& values) {
+  Dataset table;
+  table.type = hdf5::type_of<T>();
+  table.size = {static_cast<std::uint64_t>(rows)};
+  table.places = {file_.allocate(static_cast<std::uint64_t>(rows) * sizeof(T))};
+  file_.write(table.places[0] + static_cast<std::uint64_t>(first) * sizeof(T), std::as_bytes(std::span(values)));
+  group.datasets[name] = std::move(table);
+}
+
 void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
                                          std::span<const std::int32_t> part_of,
                                          const std::vector<PartTopology>& parts) {
@@ -362,15 +385,6 @@ void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements,
   require(complete, "the topology has to name every element of the model");
 
   const std::int64_t begin = plan.begin();
-  const auto store = [&]<class T>(Group& group, const char* name, std::int64_t rows, std::int64_t first,
-                                  const std::vector<T>& values) {
-    Dataset table;
-    table.type = hdf5::type_of<T>();
-    table.size = {static_cast<std::uint64_t>(rows)};
-    table.places = {file_.allocate(static_cast<std::uint64_t>(rows) * sizeof(T))};
-    file_.write(table.places[0] + static_cast<std::uint64_t>(first) * sizeof(T), std::as_bytes(std::span(values)));
-    group.datasets[name] = std::move(table);
-  };
   const std::span<const std::int64_t> flat(nodes.empty() ? nullptr : nodes.front().data(),
                                            nodes.size() * Shape::most_nodes);
   const std::vector<std::int32_t> parts_here = plan.to_slab<std::int32_t>(part_of, 1, 0);
@@ -393,6 +407,14 @@ void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements,
   // VTKHDF leaves everything outside its own group to the writer.
   file_.root.groups["Kerf"].datasets["part_names"] = text_table(part_names);
   has_topology_ = true;
+}
+
+void ResultsWriter::Impl::write_labels(Entities& kind, const char* name, const ResultsWriter::LabelOf& label) {
+  require(has_topology_ && n_frames_ == 0 && !in_frame_, "labels are written between topology and frames");
+  std::vector<std::int64_t> labels(static_cast<std::size_t>(size_of(kind)));
+  for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = label(begin_of(kind) + static_cast<std::int64_t>(i));
+  store(*kind.arrays, name, kind.n, begin_of(kind), labels);
+  kind.offsets->datasets[name] = small_table<std::int64_t>({});
 }
 
 // ---------------------------------------------------------------------------------------------------------
@@ -464,8 +486,7 @@ Series& ResultsWriter::Impl::series_to_write(Entities& kind, const std::string& 
   auto found = kind.series.find(name);
   if (found == kind.series.end()) {
     require(n_frames_ == 0, "field \"" + name + "\" is not in the earlier frames; the fields of a file are fixed");
-    require(std::ranges::find(static_cell_arrays, name) == static_cell_arrays.end(),
-            "the name \"" + name + "\" is taken");
+    require(!is_static(name), "the name \"" + name + "\" is taken");
     Dataset& data = kind.arrays->datasets[name] = growing_table(type, components, kind.n);
     Dataset& offsets = kind.offsets->datasets[name] = small_table<std::int64_t>({});
     found = kind.series.emplace(name, Series{&data, &offsets, components}).first;
@@ -542,6 +563,10 @@ ResultsWriter ResultsWriter::reopen(MPI_Comm comm, const std::string& path, int 
 void ResultsWriter::write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
                                    std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts) {
   impl_->write_topology(elements, nodes, part_of, parts);
+}
+void ResultsWriter::write_labels(const LabelOf& of_element, const LabelOf& of_node) {
+  impl_->write_labels(impl_->elements(), element_id, of_element);
+  impl_->write_labels(impl_->nodes(), node_id, of_node);
 }
 void ResultsWriter::note_units(const std::vector<std::pair<std::string, std::string>>& units) {
   std::vector<std::string> names, texts;

@@ -8,6 +8,7 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -49,6 +50,11 @@ class ResultsWriter {
   /// each element in the order of VTK's cell type, `part_of` one index into `parts` per element.
   void write_topology(std::span<const std::int64_t> elements, std::span<const ElementNodeIds> nodes,
                       std::span<const std::int32_t> part_of, const std::vector<PartTopology>& parts);
+
+  /// The number that the user knows an element or a node by, from its id.
+  using LabelOf = std::function<std::int64_t(std::int64_t)>;
+  /// Stores these numbers as `element_id` and `node_id`. Once, between the topology and the first frame.
+  void write_labels(const LabelOf& of_element, const LabelOf& of_node);
 
   /// Stores the units of fields, by name, for whoever draws them. Once, before the first frame.
   void note_units(const std::vector<std::pair<std::string, std::string>>& units);

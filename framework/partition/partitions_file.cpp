@@ -33,6 +33,15 @@ void PartitionsFile::expect(bool good) const {
   if (!good) throw std::runtime_error(path_ + " cannot be written; is the disk full?");
 }
 
+void PartitionsFile::name_elements(const std::vector<std::int64_t>& labels) {
+  const hsize_t size = labels.size();
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Handle data(H5Dcreate2(file_, "element_id", H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                    H5Dclose);
+  expect(labels.size() == static_cast<std::size_t>(n_elements_) && data.good() &&
+         H5Dwrite(data, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, labels.data()) >= 0);
+}
+
 void PartitionsFile::begin_state(const std::string& state, std::int64_t frame, double time) {
   state_ = state;
   const Handle group(H5Gcreate2(file_, state.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);

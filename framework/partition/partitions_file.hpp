@@ -18,6 +18,8 @@ class PartitionsFile {
   PartitionsFile(const PartitionsFile&) = delete;
   PartitionsFile& operator=(const PartitionsFile&) = delete;
 
+  /// Adds the numbers that the user knows the elements by, by element id.
+  void name_elements(const std::vector<std::int64_t>& labels);
   /// Begins the group of a state of the model; `frame` is -1 for the initial one.
   void begin_state(const std::string& state, std::int64_t frame, double time);
   /// Adds the partition of the last state; `parts` by element id, -1 for dead elements.

@@ -51,7 +51,8 @@ def draw_all(results: Results, arguments, title: str, into, drawn: list[str], no
 
 def choose_field(grid, wanted: str, notes: list[str]) -> str | None:
     present = [grid.GetCellData().GetArrayName(i) for i in range(grid.GetCellData().GetNumberOfArrays())]
-    physical = [name for name in present if name not in ("alive", "part", "GlobalElementId", "vtkGhostType", "kept")]
+    physical = [name for name in present
+                if name not in ("alive", "part", "GlobalElementId", "element_id", "vtkGhostType", "kept")]
     for name in [wanted, "effective_plastic_strain", "von_mises", "pressure", *physical]:
         if name in physical:
             if name != wanted:

@@ -10,7 +10,7 @@ namespace kerf {
 
 namespace {
 
-const char* const erosion_header = "time [s],cycle,element,part,criterion,value,mass [kg],energy [J]";
+const char* const erosion_header = "time [s],cycle,element,part,criterion,value,mass [kg],energy [J],element_id";
 
 }  // namespace
 
@@ -22,8 +22,8 @@ ErosionLog ErosionLog::resume(MPI_Comm comm, const std::string& path, double tim
 
 void ErosionLog::keep(const std::vector<ErosionRecord>& local) {
   for (const ErosionRecord& r : local) {
-    const std::string row = fmt::format("{},{},{},{},{},{},{},{}\n", r.time, r.cycle, r.element, csv_field(r.part),
-                                        csv_field(r.criterion), r.value, r.mass, r.energy);
+    const std::string row = fmt::format("{},{},{},{},{},{},{},{},{}\n", r.time, r.cycle, r.element, csv_field(r.part),
+                                        csv_field(r.criterion), r.value, r.mass, r.energy, r.label);
     keys_.insert(keys_.end(), {r.cycle, r.element, static_cast<std::int64_t>(row.size())});
     text_ += row;
   }

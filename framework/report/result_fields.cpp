@@ -6,6 +6,7 @@
 #include "core/assert.hpp"
 #include "input/output_fields.hpp"
 #include "model/joining.hpp"
+#include "model/names.hpp"
 #include "report/field_values.hpp"
 
 namespace kerf {
@@ -50,6 +51,9 @@ void write_topology(const Model& model, ResultsWriter& results) {
                   nodes[e].begin());
   }
   results.write_topology(ids, nodes, part_of, parts);
+  if (has_labels(model))
+    results.write_labels([&](std::int64_t id) { return element_label(model, id); },
+                         [&](std::int64_t id) { return node_label(model, id); });
   results.note_units(units_of_fields(model));
 }
 

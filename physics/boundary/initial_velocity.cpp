@@ -50,10 +50,7 @@ struct InitialVelocity final : NamedNodesBoundary {
   std::string complaint(const BoundaryNode& node) const override {
     const Vec3 v = at(node.position);
     if (std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) return {};
-    const Vec3 x = node.position;
-    return "node " + std::to_string(node.id) + " at (" + std::to_string(x.x) + ", " + std::to_string(x.y) + ", " +
-           std::to_string(x.z) +
-           ") m has no finite initial velocity there; keep radii and denominators of formulas away from zero";
+    return "has no finite initial velocity there; keep radii and denominators of formulas away from zero";
   }
 
  private:

@@ -7,10 +7,9 @@ namespace {
 
 using namespace kerf;
 
-std::string behind(const char* what, const BoundaryNode& node, double distance, const char* advice) {
+std::string behind(const char* what, double distance, const char* advice) {
   std::ostringstream text;
-  text << "node " << node.id << " at (" << node.position.x << ", " << node.position.y << ", " << node.position.z
-       << ") m starts " << distance << " m behind the " << what << "; " << advice;
+  text << "starts " << distance << " m behind the " << what << "; " << advice;
   return text.str();
 }
 
@@ -60,7 +59,7 @@ struct Symmetry final : NamedNodesBoundary {
   std::string complaint(const BoundaryNode& node) const override {
     const double gap = distance(node.position);
     if (gap >= -tolerance) return {};
-    return behind("plane of symmetry", node, -gap,
+    return behind("plane of symmetry", -gap,
                   "turn the normal round if the model is on the other side, or raise the tolerance for a coarse mesh "
                   "file");
   }
@@ -106,7 +105,7 @@ struct RigidWall final : NamedNodesBoundary {
   std::string complaint(const BoundaryNode& node) const override {
     const double gap = dot(node.position - point, normal) / norm(normal);
     if (gap >= -round_off) return {};
-    return behind("rigid wall", node, -gap, "move the part or the wall, or turn the wall's normal round");
+    return behind("rigid wall", -gap, "move the part or the wall, or turn the wall's normal round");
   }
 };
 

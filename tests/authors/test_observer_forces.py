@@ -90,7 +90,7 @@ def test_forces_are_there_from_time_zero(spring, tmp_path):
 @pytest.mark.parametrize("ranks", ["1", "2"])
 def test_a_force_that_is_no_number_stops_the_run_with_a_name(spring, tmp_path, ranks):
     done = run(spring, tmp_path, model(spoil_at=2e-6), "--ranks", ranks, code=3)
-    assert "the force of the observer spring (" in done.stderr and "on node 3 (part bar" in done.stderr, done.stderr
+    assert "the force of the observer spring (" in done.stderr and "on node 3 of part bar" in done.stderr, done.stderr
     assert "is not finite" in done.stderr
 
 

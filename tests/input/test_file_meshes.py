@@ -1,11 +1,15 @@
 """Parts whose meshes come from files: one state from every format and on any number of ranks, and all mistakes told."""
 
+import csv
 import json
+import re
 import shutil
 
 import h5py
 import numpy as np
 import pytest
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from input_case import SOURCE, kerf, on_ranks, summary_of
 
@@ -67,3 +71,162 @@ def test_the_state_is_the_same_on_any_ranks(tmp_path, ranks):
     # 248.466 and 432 mm3, the volumes that expected.json gives.
     assert alone["parts"]["bar"]["mass"] == pytest.approx(8930 * 248.4662832984199e-9, rel=1e-12)
     assert alone["parts"]["plate"]["mass"] == pytest.approx(8930 * 432e-9, rel=1e-12)
+
+
+# ---- The ids of the file live on
+
+def labels_of_file(name="bar_and_plate_v22.msh"):
+    """Positions [m] by the file's number of the node, nodes by that of the element: Gmsh 2.2 is plain text."""
+    lines = (MESHES / name).read_text().splitlines()
+    at = lines.index("$Nodes")
+    rows = [line.split() for line in lines[at + 2:at + 2 + int(lines[at + 1])]]
+    nodes = {int(row[0]): tuple(1e-3 * float(x) for x in row[1:]) for row in rows}
+    at = lines.index("$Elements")
+    rows = [list(map(int, line.split())) for line in lines[at + 2:at + 2 + int(lines[at + 1])]]
+    return nodes, {row[0]: row[3 + row[2]:] for row in rows if row[1] == 5}
+
+
+def ids_in(folder):
+    with h5py.File(folder / "results.vtkhdf") as file:
+        root = file["VTKHDF"]
+        n_nodes, n_cells = root["NumberOfPoints"][0], root["NumberOfCells"][0]
+        return (root["PointData/node_id"][:], root["CellData/element_id"][:], root["Points"][:n_nodes],
+                root["Connectivity"][:].reshape(n_cells, 8), root["CellData/part"][:], n_nodes, n_cells)
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_results_have_the_ids_of_the_file(tmp_path, ranks):
+    write(tmp_path)
+    # Parts that share nodes: ids of the model are not those of the file in another order only.
+    words = ["--set", "output.precision=double", "--set", "time.maximum_cycles=2", "--set", "balance.force_interval=1"]
+    run(tmp_path, *on_ranks(ranks), *words)
+    node_ids, element_ids, points, cells, _, n_nodes, n_cells = ids_in(tmp_path / "results" / "case")
+    nodes, elements = labels_of_file()
+    assert len(node_ids) == n_nodes and len(element_ids) == n_cells == len(elements)
+    assert sorted(element_ids) == sorted(elements) and len(set(node_ids)) == n_nodes
+    for label, point in zip(node_ids, points):
+        assert point == pytest.approx(nodes[label], abs=1e-15)
+    for label, cell in zip(element_ids, cells):
+        assert sorted(node_ids[cell]) == sorted(elements[label])
+
+
+def test_paraview_reads_the_ids_in_all_frames(tmp_path):
+    write(tmp_path)
+    run(tmp_path)
+    folder = tmp_path / "results" / "case"
+    node_ids, element_ids, *_ = ids_in(folder)
+    reader = vtkHDFReader()
+    reader.SetFileName(str(folder / "results.vtkhdf"))
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() > 2
+    for step in range(reader.GetNumberOfSteps()):
+        reader.SetStep(step)
+        reader.Update()
+        grid = reader.GetOutput()
+        np.testing.assert_array_equal(vtk_to_numpy(grid.GetPointData().GetArray("node_id")), node_ids)
+        np.testing.assert_array_equal(vtk_to_numpy(grid.GetCellData().GetArray("element_id")), element_ids)
+
+
+ERODING = {"density: 8930 kg/m3": "density: 8930 kg/m3\n    erosion: {criteria: [{type: plastic_strain, "
+                                  "limit: 0.05}]}", "0 0 -200 m/s": "0 0 -600 m/s"}
+
+
+def eroded(folder):
+    with open(folder / "results" / "case" / "erosion.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_erosion_csv_has_the_ids_of_the_file_after_moves_and_a_restart(tmp_path, ranks):
+    write(tmp_path, **ERODING)
+    words = [*on_ranks(ranks), "--set", "balance.force_interval=3"]
+    run(tmp_path, *words, "--set", "time.end=3 us")
+    before = len(eroded(tmp_path))
+    run(tmp_path, *words, "--resume")
+    rows = eroded(tmp_path)
+    assert len(rows) > before > 0
+    _, element_ids, _, _, parts, _, _ = ids_in(tmp_path / "results" / "case")
+    for row in rows:
+        assert int(row["element_id"]) == element_ids[int(row["element"])]
+        assert row["part"] == ["bar", "plate"][parts[int(row["element"])]]
+    assert any(row["element_id"] != row["element"] for row in rows)
+
+
+def test_generated_meshes_have_the_numbers_of_the_model(tmp_path):
+    """In one model with parts from a file, too: there, results have ids for all."""
+    boxes = MODEL.replace("plate: {{material: copper, mesh: {{type: file, file: {file}, unit: mm, "
+                          "block: plate 12 x 12}}}}",
+                          "plate: {{material: copper, mesh: {{type: block, size: 12 12 3 mm, cells: [8, 8, 2], "
+                          "origin: 0 0 -3 mm}}}}")
+    boxes = boxes.replace("edge: {{parts: [plate], face: plate edge}}", "edge: {{parts: [plate], face: x_max}}")
+    boxes = boxes.replace("{{face: symmetry", "{{parts: [bar], face: symmetry")
+    assert boxes != MODEL
+    write(tmp_path, model=boxes, **ERODING)
+    run(tmp_path)
+    node_ids, element_ids, _, _, parts, n_nodes, n_cells = ids_in(tmp_path / "results" / "case")
+    np.testing.assert_array_equal(element_ids[parts == 1], np.arange(n_cells)[parts == 1])
+    np.testing.assert_array_equal(node_ids[-9 * 9 * 3:], np.arange(n_nodes)[-9 * 9 * 3:])
+    _, elements = labels_of_file()
+    assert set(element_ids[parts == 0]) <= set(elements)
+
+
+def test_messages_name_elements_and_nodes_by_the_file_on_any_ranks(tmp_path):
+    """The same words on one, two and three ranks, and after a restart."""
+    write(tmp_path)
+    nodes, elements = labels_of_file()
+    said = {}
+    for name, settings, pattern, known in (
+            ("step", ["time.minimum_step=1 us"], r"the stable time step of element (\d+) of part (?:bar|plate) is",
+             elements),
+            ("speed", ["checks.maximum_speed=201 m/s"], r": node (\d+) of part (?:bar|plate) moves at", nodes),
+            ("energy", ["checks.energy_growth=1.0e-9"], r"is in element (\d+) of part (?:bar|plate)$", elements)):
+        for ranks in (1, 2, 3):
+            words = [word for setting in [*settings, "balance.force_interval=1"] for word in ("--set", setting)]
+            done = kerf("run", "case.yaml", *on_ranks(ranks), *words, cwd=tmp_path)
+            assert done.returncode == 3, done.stdout + done.stderr
+            found = re.search(pattern, done.stderr.strip())
+            assert found and int(found[1]) in known, done.stderr
+            assert said.setdefault(name, done.stderr) == done.stderr
+
+
+def test_a_node_behind_a_wall_is_named_by_the_file(tmp_path):
+    write(tmp_path, **{"{type: fixed, nodes: edge}": "{type: rigid_wall, point: 0 0 -1 mm, normal: 0 0 1}"})
+    nodes, _ = labels_of_file()
+    lines = set()
+    for ranks in (1, 2, 3):
+        done = kerf("check", "case.yaml", *on_ranks(ranks), cwd=tmp_path)
+        assert done.returncode == 2
+        lines.add(done.stderr)
+        found = re.search(r"node (\d+) of part plate at \((\S+), (\S+), (\S+)\) m starts (\S+) m behind the rigid wall",
+                          done.stderr)
+        assert [float(found[k]) for k in (2, 3, 4)] == pytest.approx(nodes[int(found[1])], rel=1e-5, abs=1e-12)
+    assert len(lines) == 1
+
+
+def test_elements_without_volume_are_named_by_the_file(tmp_path):
+    write(tmp_path)
+    text = (tmp_path / "bar_and_plate_v22.msh").read_text().splitlines()
+    _, elements = labels_of_file()
+    wrong = sorted(elements)[40]
+    at = next(i for i, line in enumerate(text) if line.startswith(f"{wrong} 5 "))
+    words = text[at].split()
+    words[-8:] = words[-4:] + words[-8:-4]  # upside down
+    text[at] = " ".join(words)
+    (tmp_path / "bar_and_plate_v22.msh").write_text("\n".join(text) + "\n")
+    for ranks in (1, 3):
+        done = kerf("check", "case.yaml", *on_ranks(ranks), cwd=tmp_path)
+        assert done.returncode == 2
+        assert re.search(r"error: 1 of the \d+ elements of part \w+ has no volume or a corner turned inside out, the "
+                         rf"first of them element {wrong}; change the file\n", done.stderr), done.stderr
+
+
+def test_partitions_have_the_ids_of_the_file(tmp_path):
+    write(tmp_path)
+    done = kerf("partition", "case.yaml", "--parts", "2", "--method", "block", "--output", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with h5py.File(tmp_path / "out" / "partitions.h5") as file:
+        _, elements = labels_of_file()
+        assert sorted(file["element_id"][:]) == sorted(elements)
+    done = kerf("run", "case.yaml", "--ranks", "2", "--set", "balance.partitioner={type: file, file: out/partitions.h5}",
+                "--set", "time.maximum_cycles=1", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -54,7 +54,7 @@ def run(folder, *words):
 # ---- kerf check
 
 @pytest.mark.parametrize("case, changes, setter", [
-    (GOOD, {}, r"element \d+"),
+    (GOOD, {}, r"element \d+ of part (target|striker)"),
     (TUBE, {}, "contact"),
     (GOOD, {"time.initial_step": "1 ns"}, "time.initial_step"),
     (GOOD, {"time.maximum_step": "2 ns"}, "time.maximum_step"),

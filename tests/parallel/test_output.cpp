@@ -527,7 +527,8 @@ TEST_F(Tables, erosion_log_is_sorted_whoever_reports) {
       std::vector<ErosionRecord> local;
       for (std::int64_t e = 40; e > 30; --e)
         if (scattered_owner(e, n_ranks, 1) == rank)
-          local.push_back({0.5 * static_cast<double>(cycle), cycle, e, "rod, outer", "strain", 1.5, 1e-3, 2.0});
+          local.push_back(
+              {0.5 * static_cast<double>(cycle), cycle, e, "rod, outer", "strain", 1.5, 1e-3, 2.0, 1000 + e});
       log.keep(local);
       log.keep({});
       if (cycle == 20) log.write();  // both cycles at once
@@ -540,10 +541,10 @@ TEST_F(Tables, erosion_log_is_sorted_whoever_reports) {
   std::istringstream lines(text_of(file));
   std::string line;
   std::getline(lines, line);
-  EXPECT_EQ(line, "time [s],cycle,element,part,criterion,value,mass [kg],energy [J]");
+  EXPECT_EQ(line, "time [s],cycle,element,part,criterion,value,mass [kg],energy [J],element_id");
   for (int e = 31; e <= 40; ++e) {
     std::getline(lines, line);
-    EXPECT_EQ(line, "5,10," + std::to_string(e) + ",\"rod, outer\",strain,1.5,0.001,2");
+    EXPECT_EQ(line, "5,10," + std::to_string(e) + ",\"rod, outer\",strain,1.5,0.001,2," + std::to_string(1000 + e));
   }
   EXPECT_FALSE(std::getline(lines, line));
 }

@@ -316,7 +316,7 @@ def test_a_law_that_throws_or_returns_no_number(library, case, fault, cause, ran
                    ranks=ranks)
     assert done.returncode == 3, done.stdout + done.stderr
     line = is_told(cause, done.stderr)
-    assert "element 0 (part bar, rank" in line
+    assert "element 0 of part bar" in line
     summary = json.loads((case.parent / "out" / "summary.json").read_text())
     assert summary["exit"] in line
 

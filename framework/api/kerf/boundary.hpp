@@ -61,7 +61,8 @@ class Boundary : public Plugin {
   /// it is no surface that contact may see.
   virtual bool mirrors(Vec3 /*position*/) const { return false; }
   virtual Vec3 constrain(const BoundaryNode& node, const BoundaryStep& step, Vec3 velocity) const = 0;
-  /// Sentences about nodes that cannot start as they stand (a node behind a wall); empty where all is well.
+  /// What is wrong with a node that cannot start as it stands, as "starts 2 m behind the wall; move the wall": messages
+  /// put the node and its place before it. Empty where all is well.
   virtual std::string complaint(const BoundaryNode&) const { return {}; }
   std::vector<std::string> references() const { return nodes(); }
 };

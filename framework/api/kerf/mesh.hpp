@@ -42,7 +42,9 @@ class MeshGenerator : public Plugin {
   virtual const void* whole_mesh() const { return nullptr; }
   /// The number of a node in the whole mesh; different nodes have different numbers.
   virtual std::int64_t node_of_whole(std::int64_t i) const { return i; }
-  /// What the user calls a node or an element.
+  /// Whether nodes and elements have numbers that the user knows, those of a file: messages and results tell them.
+  virtual bool has_labels() const { return whole_mesh() != nullptr; }
+  /// These numbers.
   virtual std::int64_t node_label(std::int64_t i) const { return i; }
   virtual std::int64_t element_label(std::int64_t e) const { return e; }
 };

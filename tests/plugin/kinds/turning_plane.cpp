@@ -36,7 +36,7 @@ struct TurningPlane final : kerf::NamedNodesBoundary {
     const double height = dot(node.position - point, normal_at(0.0));
     if (height >= -round_off) return {};
     std::ostringstream text;
-    text << "node " << node.id << " starts " << -height << " m behind the turning plane; move the part or the plane";
+    text << "starts " << -height << " m behind the turning plane; move the part or the plane";
     return text.str();
   }
 
