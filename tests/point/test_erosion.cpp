@@ -183,6 +183,55 @@ TEST(MaximumShear, is_of_the_tensor_or_twice_that) {
   EXPECT_EQ(engineering.judge(in).failed, 1.0);
 }
 
+TEST(PrincipalStrain, has_a_limit_on_either_side) {
+  ErosionInputPoint in;
+  in.strain_increment = {0.02, -0.03, 0.001, 0.0, 0.0, 0.0};
+  auto both = make_point("principal_strain", "{maximum: 0.0801, minimum: -0.15}");
+  auto maximum = make_point("principal_strain", "{maximum: 0.1}");
+  auto minimum = make_point("principal_strain", "{minimum: -0.15}");
+  for (int i = 1; i <= 5; ++i) {
+    const Verdict v = both.judge(in), over = maximum.judge(in), under = minimum.judge(in);
+    EXPECT_NEAR(over.value, 0.02 * i, 1e-15);
+    EXPECT_NEAR(under.value, -0.03 * i, 1e-15);
+    EXPECT_NEAR(v.value, 0.02 * i, 1e-15);  // 0.02/0.0801 is more than 0.03/0.15
+    EXPECT_EQ(v.failed, i > 4 ? 1.0 : 0.0);
+    if (i < 5) EXPECT_EQ(over.failed + under.failed, 0.0);
+    EXPECT_NEAR(both.state("largest_principal_strain"), 0.02 * i, 1e-15);
+    EXPECT_NEAR(both.state("smallest_principal_strain"), -0.03 * i, 1e-15);
+  }
+  in.strain_increment = {1e-9, -1e-9, 0.0, 0.0, 0.0, 0.0};
+  EXPECT_EQ(maximum.judge(in).failed, 1.0);
+  EXPECT_EQ(minimum.judge(in).failed, 1.0);
+}
+
+TEST(PrincipalStrain, a_limit_that_is_not_given_fails_nothing) {
+  ErosionInputPoint in;
+  in.strain_increment = {5.0, -5.0, 0.0, 0.0, 0.0, 0.0};
+  EXPECT_EQ(make_point("principal_strain", "{maximum: 6}").judge(in).failed, 0.0);
+  EXPECT_EQ(make_point("principal_strain", "{minimum: -6}").judge(in).failed, 0.0);
+  EXPECT_EQ(make_point("principal_strain", "{maximum: 6, minimum: -4}").judge(in).value, -5.0);
+}
+
+TEST(PrincipalStrain, is_of_the_tensor_and_turns_with_the_material) {
+  auto point = make_point("principal_strain", "{maximum: 1}");
+  ErosionInputPoint shear, turn, back;
+  shear.strain_increment = {0.0, 0.0, 0.0, 0.05, 0.0, 0.0};  // an angle that changes by 0.1
+  turn.rotation = about_z(0.5 * std::numbers::pi);
+  back.strain_increment = {0.0, 0.0, 0.0, 0.05, 0.0, 0.0};  // a quarter of a turn later it undoes the first one
+  EXPECT_NEAR(point.judge(shear).value, 0.05, 1e-15);
+  EXPECT_NEAR(point.state("smallest_principal_strain"), -0.05, 1e-15);
+  EXPECT_NEAR(point.judge(turn).value, 0.05, 1e-15);
+  EXPECT_NEAR(point.judge(back).value, 0.0, 1e-15);
+}
+
+TEST(PrincipalStrain, needs_a_limit_of_the_right_sign) {
+  const auto refusal = [](const std::string& keys) { return kerf::test::refusal("erosion", "principal_strain", keys); };
+  EXPECT_THAT(refusal("{}"), testing::HasSubstr("expected a maximum, a minimum, or both"));
+  EXPECT_THAT(refusal("{maximum: -0.1}"), testing::HasSubstr("maximum"));
+  EXPECT_THAT(refusal("{minimum: 0.1}"), testing::HasSubstr("minimum"));
+  EXPECT_EQ(refusal("{minimum: -0.1, maximum: 0.1}"), "");
+}
+
 TEST(VolumetricStrain, has_a_limit_on_either_side) {
   auto point = make_point("volumetric_strain", "{tension_limit: 0.1, compression_limit: 0.2}");
   ErosionInputPoint in;
