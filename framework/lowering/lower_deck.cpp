@@ -214,7 +214,8 @@ bool is_deck(const std::string& path, const std::string& bytes) {
   const std::string ending = std::filesystem::path(path).extension().string();
   for (const char* known : {".k", ".key", ".dyn", ".kwd", ".K", ".KEY"})
     if (ending == known) return true;
-  if (ending == ".yaml" || ending == ".yml") return false;
+  for (const char* other : {".yaml", ".yml", ".inp", ".msh", ".exo", ".ex2", ".e", ".g", ".h5"})
+    if (ending == other) return false;
   std::string_view rest = bytes;
   while (!rest.empty()) {
     const std::string_view line = rest.substr(0, std::min(rest.find('\n'), rest.size()));

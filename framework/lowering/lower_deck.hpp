@@ -18,8 +18,8 @@ struct LoweredDeck {
   DeckReport report;
 };
 
-/// Whether a file is a keyword deck: by the ending of its name (.k, .key, .dyn, .kwd), or by a keyword in its first
-/// line that is no comment.
+/// Whether a file is a keyword deck: by the ending of its name (.k, .key, .dyn, .kwd), or, where the ending is not of
+/// another format, by a keyword in its first line that is no comment.
 bool is_deck(const std::string& path, const std::string& bytes);
 
 /// Reads a deck and everything that it includes. Mistakes, and what cannot be run, go to `diagnostics`; the document is

@@ -21,15 +21,24 @@ def test_converted_decks_and_ranks_give_one_state(deck, tmp_path):
     assert two["state_hash"] == alone
 
 
-def test_a_deck_is_resumed(tmp_path):
+def test_a_deck_is_resumed_even_as_what_it_was_converted_to(tmp_path):
     deck = "03_oblique_rod/rod.k"
     path = copied(deck, tmp_path)
-    words = ["--units", UNITS[deck], "--output", "out"]
-    assert kerf("run", path.name, *words, "--set", "time.end=12 us", cwd=tmp_path).returncode == 0
-    assert kerf("run", path.name, *words, "--set", "time.end=20 us", "--resume", cwd=tmp_path).returncode == 0
-    whole = kerf("run", path.name, "--units", UNITS[deck], "--output", "whole", "--set", "time.end=20 us", cwd=tmp_path)
-    assert whole.returncode == 0
-    assert summary_of(tmp_path / "out")["state_hash"] == summary_of(tmp_path / "whole")["state_hash"]
+    end = ["--set", "time.end=20 us"]
+    units = ["--units", UNITS[deck]]
+    hashes = set()
+    for first, words in (("whole", []), ("out", ["--set", "time.maximum_cycles=100"]),
+                         ("other", ["--set", "time.maximum_cycles=100"])):
+        done = kerf("run", path.name, *units, *end, *words, "--output", first, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    assert summary_of(tmp_path / "out")["cycles"] == 100
+    assert kerf("run", path.name, *units, *end, "--output", "out", "--resume", cwd=tmp_path).returncode == 0
+    assert kerf("convert", path.name, *units, "--output", "own", cwd=tmp_path).returncode == 0
+    done = kerf("run", "own/case.yaml", *end, "--output", "other", "--resume", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for folder in ("whole", "out", "other"):
+        hashes.add(summary_of(tmp_path / folder)["state_hash"])
+    assert len(hashes) == 1
 
 
 @pytest.mark.parametrize("mesh", ["bar_and_plate_v22.msh", "sphere_plate_contact.g", "Tensile.inp"])
