@@ -217,11 +217,11 @@ void simplified_johnson_cook(Lowering& low, const Row& row, Material& made) {
 void power_law(Lowering& low, const Row& row, Material& made) {
   const Elastic constants = elastic_constants(low, row);
   Node law = strength(low, "power_law", constants);
-  add(law, "youngs_modulus", scalar(low.text(constants.young, pressure), constants.origin));
   add(law, "k", row.quantity("k", pressure));
   add(law, "n", row.quantity("n"));
   // Up to 0.02 it is the strain at which the material yields.
   const double sigy = row.value("sigy");
+  if (sigy == 0.0) add(law, "youngs_modulus", scalar(low.text(constants.young, pressure), constants.origin));
   if (sigy > 0.02) add(law, "yield_stress", row.quantity("sigy", pressure));
   if (sigy > 0.0 && sigy <= 0.02)
     add(law, "yield_stress",

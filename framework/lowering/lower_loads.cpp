@@ -110,11 +110,11 @@ void damping(Lowering& low) {
     Node load = map_node(where);
     add(load, "type", scalar("mass_damping", where));
     if (row.integer("lcid").value > 0) {
-      add(load, "rate", scalar(low.text(1.0, rate), where));
+      add(load, "coefficient", scalar(low.text(1.0, rate), where));
       add_curve(low, row, load);
     } else {
       if (row.value("valdmp", rate) == 0.0) continue;
-      add(load, "rate", row.quantity("valdmp", rate));
+      add(load, "coefficient", row.quantity("valdmp", rate));
     }
     const double x = row.value("stx"), y = row.value("sty"), z = row.value("stz");
     if (x != 0.0 || y != 0.0 || z != 0.0) add(load, "factors", scalar(low.texts({x, y, z}, number), row.origin("stx")));

@@ -93,7 +93,7 @@ void Constraints::initialise(Model& model) const {
     const NodeGroup group(model, b->nodes());
     for (int i = 0; i < model.nodes.n(); ++i)
       if (group.holds(model.nodes, i)) {
-        const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)};
+        const BoundaryNode node = boundary_node(model.nodes, i, model.nodes.v(i));
         model.nodes.set_v(i, b->initial(node, model.nodes.v(i)));
         MirrorPlanes& planes = met[static_cast<std::size_t>(i)];
         if (b->mirrors(model.nodes.reference_position(i))) planes.add(b->region(0.0).normal);
@@ -112,7 +112,7 @@ std::vector<std::string> Constraints::complaints(const Model& model) const {
     int local = -1;
     for (int i = 0; i < model.nodes.n(); ++i) {
       if (!model.nodes.owned[i] || !group.holds(model.nodes, i)) continue;
-      std::string line = b->complaint({model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), model.nodes.v(i)});
+      std::string line = b->complaint(boundary_node(model.nodes, i, model.nodes.v(i)));
       if (line.empty()) continue;
       ++n;
       if (model.nodes.id[i] > lowest) continue;
@@ -136,7 +136,7 @@ std::vector<std::string> Constraints::complaints(const Model& model) const {
 
 Vec3 Constraints::constrain(const Model& model, int i, const Step& step, const std::vector<HalfSpace>& planes,
                             Vec3 old_velocity, Vec3 velocity, Vec3* after_each) const {
-  const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), old_velocity};
+  const BoundaryNode node = boundary_node(model.nodes, i, old_velocity);
   const BoundaryStep when{step.start + 0.5 * step.dt, step.dt};
   const auto& boundaries = model.input->boundaries;
   std::size_t n_told = 0;

@@ -11,6 +11,11 @@
 
 namespace kerf {
 
+/// A node as boundary conditions see it.
+inline BoundaryNode boundary_node(const NodeStore& nodes, int i, Vec3 old_velocity) {
+  return {nodes.id[i], nodes.mass[i], nodes.x(i), old_velocity, nodes.reference_position(i)};
+}
+
 class Constraints {
  public:
   /// Finds out which nodes are constrained; to be called again whenever nodes are renumbered. Local.

@@ -16,6 +16,7 @@
 #include "input/node_choice.hpp"
 #include "mesh/quality.hpp"
 #include "model/arrival.hpp"
+#include "model/constraints.hpp"
 #include "model/copies.hpp"
 #include "model/initial_state.hpp"
 #include "model/joining.hpp"
@@ -233,7 +234,7 @@ double greatest_speed(const Model& model) {
     for (std::size_t k = 0; k < groups.size(); ++k) {
       if (!groups[k].holds(model.nodes, i)) continue;
       const Boundary& b = *model.input->boundaries[k];
-      const BoundaryNode node{model.nodes.id[i], model.nodes.mass[i], model.nodes.x(i), v};
+      const BoundaryNode node = boundary_node(model.nodes, i, v);
       see(v = b.initial(node, v));
       if (b.ask(node.position) != Boundary::Ask::always) continue;
       for (int look = 0; look < n_looks; ++look) see(b.constrain(node, {end * look / n_looks + 0.5 * dt, dt}, Vec3{}));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "model/constraints.hpp"
 #include "model/held_energy.hpp"
 #include "model/node_group.hpp"
 #include "parallel/communicator.hpp"
@@ -127,7 +128,7 @@ void Encounters::find_boundaries() {
 }
 
 bool Encounters::holds(int i, Vec3 direction) const {
-  const BoundaryNode node{model_.nodes.id[i], model_.nodes.mass[i], model_.nodes.x(i), {}};
+  const BoundaryNode node = boundary_node(model_.nodes, i, {});
   // A step too short for a node to get anywhere, and a velocity whose change tells.
   const BoundaryStep step{0.0, 1e-12 * end_};
   for (const std::int32_t b : lists_[always_[index(i)]]) {
@@ -154,7 +155,7 @@ void Encounters::look_at_conditions(int i, double* of_part) const {
     of_part[held] = 1.0;
     constexpr int looks = 16;
     for (int k = 0; k <= looks && of_part[driven] < 1.0; ++k) {
-      const BoundaryNode node{nodes.id[i], nodes.mass[i], nodes.x(i), {}};
+      const BoundaryNode node = boundary_node(nodes, i, {});
       const Vec3 moved = law.constrain(node, {end_ * k / looks, 1e-12 * end_}, {});
       if (norm(moved) > 0.0) of_part[driven] = 1.0;
     }

@@ -82,6 +82,96 @@ TEST(PrescribedMotion, refuses_a_bad_table) {
               ::testing::HasSubstr("times must increase"));
 }
 
+/// Steps of many lengths, whose ends are no round numbers.
+class Flight {
+ public:
+  Flight(const std::string& parameters, Vec3 from, CurveTable* curves = nullptr)
+      : law_(make_law<Boundary>("boundary", "prescribed_motion", parameters, curves)),
+        node_(node_at(from.x, from.y, from.z)) {
+    node_.reference_position = from;
+    law_->prepare({1e-3, 2.0});
+    velocity_ = law_->initial(node_, {});
+  }
+  void step(double dt) {
+    velocity_ = law_->constrain(node_, {time_ + 0.5 * dt, dt}, velocity_);
+    node_.position = node_.position + velocity_ * dt;
+    time_ += dt;
+  }
+  /// Something else moves the node.
+  void push(Vec3 way) { node_.position = node_.position + way; }
+  double time() const { return time_; }
+  Vec3 velocity() const { return velocity_; }
+  Vec3 position() const { return node_.position; }
+  Vec3 moved() const { return node_.position - node_.reference_position; }
+
+ private:
+  std::unique_ptr<Boundary> law_;
+  BoundaryNode node_;
+  Vec3 velocity_;
+  double time_ = 0.0;
+};
+
+TEST(PrescribedMotion, gives_the_place_at_the_end_of_every_step) {
+  Flight flight("{displacement: [2 mm, -1 mm, 0 mm], times: \"[0, 1, 3] s\", factors: [0, 1, -1], components: [x, y]}",
+                {0.7, -1.3, 0.2});
+  expect_vector(flight.velocity(), {2e-3, -1e-3, 0.0}, 0.0);  // of the first piece, from time zero on
+  for (int i = 0; i < 40000; ++i) {
+    flight.step(1e-4 * (1.0 + 0.3 * std::sin(0.1 * i)));
+    const double t = flight.time(), f = t < 1.0 ? t : t < 3.0 ? 2.0 - t : -1.0;
+    // Half the last bit of the coordinate, and what adding up times has left of theirs.
+    ASSERT_NEAR(flight.position().x, 0.7 + 2e-3 * f, 1.2e-16) << i;
+    ASSERT_NEAR(flight.position().y, -1.3 - 1e-3 * f, 2.3e-16) << i;
+    ASSERT_EQ(flight.moved().z, 0.0);
+  }
+  EXPECT_GT(flight.time(), 3.5);
+  expect_vector(flight.velocity(), {}, 1e-11);  // the last bit of a coordinate in a step
+}
+
+TEST(PrescribedMotion, follows_a_displacement_by_a_named_curve) {
+  kerf::test::RampTable curves;
+  Flight flight("{displacement: [10 mm, 0 mm, 0 mm], curve: ramp}", {0.0, 0.0, 0.0}, curves.table());
+  expect_vector(flight.velocity(), {}, 0.0);
+  for (int i = 0; i < 6; ++i) flight.step(0.25);
+  EXPECT_DOUBLE_EQ(flight.moved().x, 10e-3);
+  EXPECT_DOUBLE_EQ(flight.velocity().x, 20e-3);
+}
+
+TEST(PrescribedMotion, does_not_take_back_at_once_what_something_else_has_moved) {
+  Flight flight("{displacement: [1 mm, 0 mm, 0 mm], times: [0, 1], factors: [0, 1]}", {0.0, 0.0, 0.0});
+  flight.step(0.1);
+  flight.push({1e-4, 0.0, 0.0});
+  flight.step(0.1);
+  EXPECT_DOUBLE_EQ(flight.velocity().x, 1e-3);
+  EXPECT_DOUBLE_EQ(flight.moved().x, 3e-4);
+}
+
+TEST(PrescribedMotion, acts_between_birth_and_death) {
+  const auto velocity = make_boundary("prescribed_motion", "{velocity: [5, 5, 5], birth: 1 s, death: 2 s}");
+  const auto place = make_boundary("prescribed_motion",
+                                   "{displacement: [5, 5, 5], times: [0, 4], factors: [-1, 3], "
+                                   "birth: 1 s, death: 2 s}");
+  for (const auto& b : {velocity.get(), place.get()}) {
+    expect_vector(b->initial({}, {1, 2, 3}), {1, 2, 3}, 0.0);
+    expect_vector(b->constrain({}, {0.999, 0.1}, {1, 2, 3}), {1, 2, 3}, 0.0);
+    expect_vector(b->constrain({}, {1.0, 0.1}, {1, 2, 3}), {5, 5, 5});
+    expect_vector(b->constrain({}, {1.999, 0.1}, {1, 2, 3}), {5, 5, 5});
+    expect_vector(b->constrain({}, {2.0, 0.1}, {1, 2, 3}), {1, 2, 3}, 0.0);
+  }
+  expect_vector(make_boundary("prescribed_motion", "{velocity: [5, 5, 5], death: 1 s}")->initial({}, {}), {5, 5, 5});
+}
+
+TEST(PrescribedMotion, refuses_what_is_no_motion) {
+  const auto text = [](const std::string& keys) { return refusal("boundary", "prescribed_motion", "{" + keys + "}"); };
+  const std::string table = "displacement: [1, 0, 0], times: [0, 1], factors: ";
+  EXPECT_THAT(text("components: x"), ::testing::HasSubstr("give a velocity or a displacement, one of the two"));
+  EXPECT_THAT(text("velocity: [1, 0, 0], displacement: [1, 0, 0]"), ::testing::HasSubstr("one of the two"));
+  EXPECT_THAT(text("displacement: [1, 0, 0]"), ::testing::HasSubstr("must be 0 at time zero"));
+  EXPECT_THAT(text(table + "[0.1, 1]"), ::testing::HasSubstr("must be 0 at time zero"));
+  EXPECT_EQ(text(table + "[0.1, 1], birth: 0.5 s"), "");
+  EXPECT_EQ(text(table + "[0, 1]"), "");
+  EXPECT_THAT(text("velocity: [1, 0, 0], birth: 2 s, death: 2 s"), ::testing::HasSubstr("death must be after birth"));
+}
+
 TEST(Symmetry, holds_nodes_on_the_plane_and_leaves_others) {
   const auto b = make_boundary("symmetry", "{normal: [0, 2, 0]}");
   expect_vector(b->constrain(node_at(1, 0, 1), {0, 1e-3}, {1, 2, 3}), {1, 0, 3}, 0.0);

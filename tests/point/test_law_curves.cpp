@@ -105,6 +105,7 @@ TEST(LawCurves, laws_with_rate_or_damage_converge_with_first_order) {
   for (const auto& [law, path] : {std::pair{"johnson_holmquist_2", "jh2_alumina_uniaxial_strain"},
                                   {"zerilli_armstrong", "zerilli_armstrong_bcc_iron_uniaxial_strain"},
                                   {"cowper_symonds", "cowper_symonds_plastic_uniaxial_strain"},
+                                  {"power_law", "power_law_rate_uniaxial_strain"},
                                   {"steinberg_guinan", "steinberg_guinan_copper_uniaxial_strain"},
                                   {"johnson_cook", "johnson_cook_uniaxial_strain"}}) {
     const double ratio = stress_error(law, path, 0.25) / stress_error(law, path, 0.5);

@@ -20,6 +20,24 @@ void expect_vector(Vec3 a, Vec3 b, double tolerance = 1e-15) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
+TEST(MassDamping, is_against_the_velocity_and_has_factors) {
+  kerf::test::RampTable curves;
+  LoadedNode node;
+  node.mass = 7.0;
+  node.velocity = {1, -2, 3};
+  expect_vector(make_law<BodyLoad>("load", "mass_damping", "{coefficient: 100 s-1}")->acceleration(node, 0.0),
+                {-100, 200, -300}, 0.0);
+  const auto law = make_law<BodyLoad>("load", "mass_damping", "{coefficient: 100, factors: [1, 0, 0.5], curve: ramp}",
+                                      curves.table());
+  expect_vector(law->acceleration(node, 1.0), {}, 0.0);
+  expect_vector(law->acceleration(node, 1.5), {-100, 0, -150}, 1e-12);
+  EXPECT_FALSE(law->greatest().has_value());
+  EXPECT_EQ(make_law<BodyLoad>("load", "mass_damping", "{coefficient: 1, factors: [0, 0, 0]}")->greatest(), 0.0);
+  EXPECT_THAT(refusal("load", "mass_damping", "{coefficient: -1}"), ::testing::HasSubstr("coefficient"));
+  EXPECT_THAT(refusal("load", "mass_damping", "{coefficient: 1, factors: [1, -1, 1]}"),
+              ::testing::HasSubstr("factors"));
+}
+
 TEST(Pressure, is_a_constant_times_its_curve) {
   RampTable curves;
   const auto load =

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "support/one_part.hpp"
 #include "support/points.hpp"
@@ -109,6 +110,103 @@ TEST(CowperSymonds, not_a_number_stays_visible) {
     auto point = point_of("cowper_symonds", "{" + steel + ", strain_rate: " + form + "}");
     EXPECT_TRUE(std::isnan(point.step(shear(std::nan(""))).xy)) << form;
   }
+}
+
+// ------------------------------------------------------------------------------------------------ power of the strain
+
+const std::string swift = "shear_modulus: 80e9, k: 7.5e8, n: 0.22";
+
+TEST(PowerLaw, flow_follows_the_power_from_the_yield_stress_or_the_elastic_line_on) {
+  const double young = 2.07e11;
+  for (const bool by_stress : {true, false}) {
+    auto point =
+        point_of("power_law", "{" + swift + (by_stress ? ", yield_stress: 2.6e8}" : ", youngs_modulus: 2.07e11}"));
+    const double start = by_stress ? std::pow(2.6e8 / 7.5e8, 1.0 / 0.22) : std::pow(young / 7.5e8, 1.0 / (0.22 - 1.0));
+    const double yield = 7.5e8 * std::pow(start, 0.22);
+    EXPECT_NEAR(yield / (by_stress ? 2.6e8 : young * start), 1.0, round_off);
+    const double reaches = yield / (3.0 * 80e9);
+    EXPECT_NEAR(von_mises(point.step(shear(0.999 * reaches * unit_shear))) / (0.999 * yield), 1.0, round_off);
+    EXPECT_EQ(point.state("effective_plastic_strain"), 0.0);
+    for (const double step : {2e-3 * reaches, 0.1 * reaches, reaches, 1e-3, 0.02, 0.4}) {
+      point.step(shear(step * unit_shear));
+      const double ep = point.state("effective_plastic_strain");
+      EXPECT_GT(ep, 0.0);
+      EXPECT_NEAR(von_mises(point.deviator()) / (7.5e8 * std::pow(start + ep, 0.22)), 1.0, solved) << step;
+    }
+    // What is not plastic is elastic: q = 3 G (strain - ep).
+    const double strain = (0.999 + 2e-3 + 0.1 + 1.0) * reaches + 1e-3 + 0.02 + 0.4;
+    EXPECT_NEAR(von_mises(point.deviator()) / (3.0 * 80e9 * (strain - point.state("effective_plastic_strain"))), 1.0,
+                1e-9);  // of a difference
+  }
+}
+
+TEST(PowerLaw, steady_flow_has_the_factor_of_its_rate) {
+  // A small exponent, so that the plastic rate is the whole one but for the elastic share.
+  auto point = point_of("power_law", "{shear_modulus: 80e9, k: 3e8, n: 1e-9, yield_stress: 3e8, C: 40.4, P: 5}");
+  const double rate = 1e3, dt = 1e-6;
+  for (int i = 0; i < 200; ++i) point.step(shear(rate * dt * unit_shear), dt);
+  EXPECT_NEAR(von_mises(point.deviator()) / (3e8 * (1.0 + std::pow(rate / 40.4, 0.2))), 1.0, 1e-8);
+  EXPECT_NEAR(point.state("plastic_strain_rate") / rate, 1.0, 1e-7);  // hardening goes on by 1e-9 per ln of strain
+}
+
+TEST(PowerLaw, with_exponent_one_it_is_linear_hardening) {
+  auto plain = point_of("elastic_plastic", "{shear_modulus: 80e9, yield_stress: 3e8, hardening_modulus: 5e9}");
+  auto point = point_of("power_law", "{shear_modulus: 80e9, k: 5e9, n: 1, yield_stress: 3e8}");
+  auto rated = point_of("power_law", "{shear_modulus: 80e9, k: 5e9, n: 1, yield_stress: 3e8, C: 1e30, P: 1}");
+  for (int i = 0; i < 60; ++i) {
+    const SymTensor step = (i / 20) % 2 == 0 ? SymTensor{1e-3, -2e-3, 1e-3, 5e-4, 0.0, 1e-3} : shear(-2e-3);
+    plain.step(step);
+    point.step(step);
+    rated.step(step);
+  }
+  for (const auto* p : {&point, &rated}) {
+    EXPECT_NEAR(p->state("effective_plastic_strain") / plain.state("effective_plastic_strain"), 1.0, 1e-11);
+    EXPECT_NEAR(p->deviator().xy / plain.deviator().xy, 1.0, 1e-11);
+  }
+}
+
+TEST(PowerLaw, is_solved_for_all_exponents_rates_and_steps) {
+  for (const double n : {0.01, 0.22, 1.0, 3.0})
+    for (const double yield : {1e6, 3e8, 7e8})
+      for (const double C : {0.0, 1e-2, 40.4, 1e7})
+        for (const double P : {0.5, 5.0, 100.0})
+          for (const double dt : {1e-12, 1e-7, 1e3})
+            for (const double over : {1e-13, 1e-6, 1e-2, 1.0, 1e3}) {
+              const double start = std::pow(yield / 7.5e8, 1.0 / n);
+              if (start < 1e-99) continue;
+              std::ostringstream keys;
+              keys << "{shear_modulus: 80e9, k: 7.5e8, n: " << n << ", yield_stress: " << yield;
+              if (C > 0.0) keys << ", C: " << C << ", P: " << P;
+              auto point = point_of("power_law", keys.str() + "}");
+              const double strain = yield / 240e9 * (1.0 + over);
+              point.step(shear(strain * unit_shear), dt);
+              const double q = von_mises(point.deviator()), ep = point.state("effective_plastic_strain");
+              const double x = C > 0.0 ? std::pow(ep / dt / C, 1.0 / P) : 0.0;
+              const double flow = 7.5e8 * std::pow(start + ep, n) * (1.0 + x);
+              const std::string what = keys.str() + " " + std::to_string(dt) + " " + std::to_string(over);
+              EXPECT_GE(q, yield * (1.0 - round_off)) << what;
+              // Where flow at the least rate is too little to relax the stress, the point stays elastic. Round-off of
+              // the stress is a part of the increment, which the factor of the rate has to the power of 1/P.
+              if (ep > 1e-250) EXPECT_NEAR(q / flow, 1.0, 1e-9 + 1e-14 * (1.0 + x)) << what;
+              EXPECT_NEAR((q + 240e9 * ep) / (240e9 * strain), 1.0, round_off) << what;
+            }
+}
+
+TEST(PowerLaw, not_a_number_stays_visible) {
+  for (const char* rate : {"", ", C: 40.4, P: 5"})
+    EXPECT_TRUE(std::isnan(
+        point_of("power_law", "{" + swift + ", yield_stress: 2.6e8" + rate + "}").step(shear(std::nan(""))).xy));
+}
+
+TEST(PowerLaw, refuses_what_has_no_yield_point) {
+  const auto text = [](const std::string& keys) { return refusal("material", "power_law", "{" + keys + "}"); };
+  EXPECT_THAT(text(swift), HasSubstr("give yield_stress or youngs_modulus, one of the two"));
+  EXPECT_THAT(text(swift + ", yield_stress: 2e8, youngs_modulus: 2e11"), HasSubstr("one of the two"));
+  EXPECT_THAT(text("shear_modulus: 80e9, k: 7.5e8, n: 1, youngs_modulus: 2e11"), HasSubstr("less than 1 only"));
+  EXPECT_THAT(text(swift + ", youngs_modulus: 7e8"), HasSubstr("must be more than k"));
+  EXPECT_THAT(text(swift + ", youngs_modulus: 3e11"), HasSubstr("three times shear_modulus"));
+  EXPECT_THAT(text("shear_modulus: 80e9, k: 7.5e8, n: 1e-3, yield_stress: 2.6e8"), HasSubstr("1e-100"));
+  EXPECT_THAT(text(swift + ", yield_stress: 2e8, C: 40"), HasSubstr("C and P belong together"));
 }
 
 // ------------------------------------------------------------------------------------------------ tables

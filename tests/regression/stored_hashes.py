@@ -226,6 +226,25 @@ def vessels():
     }
 
 
+def clamped_bar():
+    """A bar is bent by a displacement of its end, pulled by another one for a while, and settles by damping."""
+    return {
+        "title": "clamped bar", "time": {"end": "10 us"},
+        "materials": {"steel": {"density": 7850, "strength": STEEL, "eos": LINEAR}},
+        "parts": {"bar": block("steel", "9 3 3 mm", [9, 3, 3])},
+        "sets": {"root": {"face": "x_min"}, "tip": {"face": "x_max"}},
+        "curves": {"way": {"times": "[0, 3, 6] us", "values": [0, 1, 0.7]}},
+        "boundaries": [
+            {"type": "fixed", "nodes": ["root"]},
+            {"type": "prescribed_motion", "nodes": ["tip"], "displacement": "0 0.2 0.1 mm", "curve": "way",
+             "components": ["y", "z"]},
+            {"type": "prescribed_motion", "nodes": ["tip"], "displacement": "0.1 0 0 mm", "times": "[0, 4] us",
+             "factors": [0, 1], "components": ["x"], "birth": "1 us", "death": "5 us"}],
+        "loads": [{"type": "mass_damping", "nodes": ["bar"], "coefficient": "1.0e+5 s-1", "factors": [1, 0.5, 1],
+                   "curve": "way"}],
+    }
+
+
 def laws():
     """Every material, equation of state and solid."""
     return impacts([law for law in laws_of(plugins()) if law[0] != "erosion"])
@@ -246,6 +265,7 @@ MODELS = {
     "explosion": explosion(),
     "initiation": initiation(),
     "vessels": vessels(),
+    "clamped_bar": clamped_bar(),
     "laws": laws(),
     "criteria": criteria(),
 }

@@ -43,6 +43,15 @@ TEST(Curve, whose_points_fill_the_period_jumps) {
   EXPECT_EQ(saw.at(-0.25), 0.75);
 }
 
+TEST(Curve, tells_its_slope_from_a_time_on) {
+  const Curve curve({1.0, 2.0, 4.0}, {0.0, 1.0, -3.0}), again({1.0, 2.0, 4.0}, {0.0, 1.0, -3.0}, 4.0);
+  for (const auto& [time, slope] : {std::pair{0.5, 0.0}, {1.0, 1.0}, {1.9, 1.0}, {2.0, -2.0}, {4.0, 0.0}, {9.0, 0.0}})
+    EXPECT_EQ(curve.slope_after(time), slope) << time;
+  for (const auto& [time, slope] : {std::pair{-1.0, -2.0}, {0.5, 3.0}, {1.0, 1.0}, {4.5, 3.0}, {5.0, 1.0}, {6.5, -2.0}})
+    EXPECT_EQ(again.slope_after(time), slope) << time;
+  EXPECT_EQ(Curve({3.0}, {7.0}).slope_after(3.0), 0.0);
+}
+
 TEST(Curve, that_is_absent_is_one) {
   EXPECT_EQ(value_of(nullptr, 3.0), 1.0);
   EXPECT_EQ(greatest_of(nullptr), 1.0);

@@ -194,6 +194,71 @@ def test_energy_closes_with_all_loads_on_a_plastic_body(kerf):
     assert run.summary["energy"]["external"] > 0.0
 
 
+def test_a_damped_block_slows_along_the_directions_that_are_named(kerf):
+    c, end, step = 2e4, 1e-4, 2e-7
+    mesh = {"type": "block", "size": [0.02, 0.01, 0.01], "cells": [4, 3, 2]}
+    damping = {"type": "mass_damping", "coefficient": c, "factors": [1, 0.5, 0]}
+    run = kerf(body(mesh, end, step=step, velocity=(3, 4, -5), loads=[damping]))
+    kicks = np.array([step / 2] + [step] * (run.summary["cycles"] - 1))
+    speed = run.results.node("velocity", -1)
+    # The velocity of the step before sets the force; the last digits are of positions of 0.02 m times the modulus.
+    for axis, (start, factor) in enumerate(((3, 1), (4, 0.5), (-5, 0))):
+        assert speed[:, axis] == pytest.approx(start * np.prod(1 - c * factor * kicks), abs=1e-6)
+    # That is the exponential, but for half of c times the step of the rate: 2e-3.
+    assert speed[:, 0] == pytest.approx(3 * np.exp(-c * end), rel=2 * 2e-3 * c * end)
+    assert run.summary["energy"]["external"] < 0.0
+    assert worst_balance(run) < 1e-9
+
+
+def test_damping_settles_a_column_and_leaves_the_books_closed(kerf):
+    """A quarter wave of a column that is let go under its weight: it decays with half of c and ends at rest."""
+    length, g, c = 0.1, 2e5, 4e4
+    omega = np.pi / 2 * WAVE_SPEED / length
+    end = 2e-4
+    boundaries = ROUND + planes(("x", 0, 1))
+    damping = {"type": "mass_damping", "coefficient": c}
+    model = body(COLUMN, end, step=1e-7, boundaries=boundaries,
+                 loads=[{"type": "gravity", "acceleration": [-g, 0, 0]}, damping])
+    model["output"]["results_interval"] = end / 400
+    run = kerf(model)
+    tip = run.results.points(0)[:, 0] == length
+    moved = np.array([run.results.node("displacement", f)[tip, 0].mean() for f in range(len(run.results.times))])
+    rest = -g * length**2 / (2 * WAVE_SPEED**2)
+    # The damped first mode, of which the displacement of the tip has the share 32/pi^3; the higher ones decay alike.
+    half = c / 2
+    damped = np.sqrt(omega**2 - half**2)
+    t = run.results.times
+    first = rest * 32 / np.pi**3 * np.exp(-half * t) * (np.cos(damped * t) + half / damped * np.sin(damped * t))
+    third = np.sqrt((3 * omega) ** 2 - half**2)
+    second = -first[0] / 27 * np.exp(-half * t) * (np.cos(third * t) + half / third * np.sin(third * t))
+    assert np.abs(moved - (rest - first - second)).max() < 0.02 * abs(rest)
+    assert moved[-1] == pytest.approx(rest, rel=0.05)
+    assert worst_balance(run) < 1e-9
+    # What gravity did less what is stored is what damping took.
+    assert run.summary["energy"]["external"] == pytest.approx(run.summary["energy"]["internal"], rel=0.01)
+
+
+def test_damping_is_the_same_on_any_ranks_and_after_a_restart(kerf):
+    model = body({"type": "block", "size": [0.02, 0.01, 0.01], "cells": [8, 4, 4]}, 2e-5, velocity=(30, 0, 0),
+                 sets={"end": {"face": "x_min"}}, boundaries=[{"type": "fixed", "nodes": "end"}],
+                 curves={"rise": {"times": [0, 1e-5], "values": [0, 1]}},
+                 loads=[{"type": "mass_damping", "nodes": "body", "coefficient": 1e5, "curve": "rise"}])
+    whole = kerf(model)
+    half = whole.summary["cycles"] // 2
+    resumed = kerf(model, ranks=2, resumes=kerf(model, f"time.maximum_cycles={half}", ranks=3))
+    assert resumed.summary["state_hash"] == whole.summary["state_hash"]
+    assert resumed.summary["energy"]["external"] == whole.summary["energy"]["external"]
+
+
+def test_damping_that_would_give_energy_stops_the_run(kerf):
+    model = body({"type": "block", "size": [0.02, 0.01, 0.01], "cells": [4, 3, 2]}, 1e-4, velocity=(3, 0, 0),
+                 curves={"falls": {"times": [0, 1e-5], "values": [1, -1]}},
+                 loads=[{"type": "mass_damping", "coefficient": 1e4, "curve": "falls"}])
+    run = kerf(model, completes=False)
+    assert run.process.returncode == 3
+    assert "its curve is negative, and damping cannot give energy" in run.process.stdout + run.process.stderr
+
+
 @pytest.mark.parametrize("form", ["curve", "table"])
 def test_a_motion_follows_a_curve_as_it_follows_its_table(kerf, form):
     table = {"times": [0, 1e-5, 2e-5], "values": [0, 1, 0.5]}

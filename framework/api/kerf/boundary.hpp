@@ -16,6 +16,7 @@ struct BoundaryNode {
   double mass = 0.0;  // [kg]
   Vec3 position;  // at the start of the step [m]
   Vec3 old_velocity;  // at the middle of the step before [m/s]
+  Vec3 reference_position;  // in the undeformed model [m]
 };
 
 struct BoundaryStep {

@@ -26,11 +26,7 @@ class Curve {
 
   /// The value at a time [s].
   double at(double time) const {
-    if (period_ > 0.0) {
-      // The remainder is exact, so that equal phases have equal values.
-      const double phase = std::fmod(time - times_.front(), period_);
-      time = times_.front() + (phase < 0.0 ? phase + period_ : phase);
-    }
+    time = in_first_period(time);
     const auto next = static_cast<std::size_t>(std::upper_bound(times_.begin(), times_.end(), time) - times_.begin());
     if (next == 0) return values_.front();
     const std::size_t last = next - 1;
@@ -38,6 +34,17 @@ class Curve {
     const double end = times_.front() + period_;
     if (!(period_ > 0.0) || !(end > times_[last])) return values_[last];
     return between(time, times_[last], end, values_[last], values_.front());
+  }
+  /// The slope from a time [s] on [1/s].
+  double slope_after(double time) const {
+    time = in_first_period(time);
+    const auto next = static_cast<std::size_t>(std::upper_bound(times_.begin(), times_.end(), time) - times_.begin());
+    if (next == 0) return 0.0;
+    const std::size_t last = next - 1;
+    if (next < times_.size()) return (values_[next] - values_[last]) / (times_[next] - times_[last]);
+    const double end = times_.front() + period_;
+    if (!(period_ > 0.0) || !(end > times_[last])) return 0.0;
+    return (values_.front() - values_[last]) / (end - times_[last]);
   }
   /// Upper bound of the magnitude at all times.
   double greatest() const {
@@ -47,6 +54,13 @@ class Curve {
   }
 
  private:
+  /// The time at which a curve that repeats itself has the same value first.
+  double in_first_period(double time) const {
+    if (!(period_ > 0.0)) return time;
+    // The remainder is exact, so that equal phases have equal values.
+    const double phase = std::fmod(time - times_.front(), period_);
+    return times_.front() + (phase < 0.0 ? phase + period_ : phase);
+  }
   static double between(double time, double from, double to, double first, double second) {
     return first + (time - from) / (to - from) * (second - first);
   }
