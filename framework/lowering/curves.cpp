@@ -12,6 +12,24 @@ Node numbers(const std::vector<double>& values, const std::string& unit, const O
   return scalar(text + "]" + (unit.empty() ? "" : " " + unit), origin);
 }
 
+/// A function of time that OFFA shifts to later times is zero before, up to 0.999 of the shift.
+void begin_later(const Lowering& low, std::int64_t id, Lowering::Points& points) {
+  const Row head = low.row(*low.defined("DEFINE_CURVE", "lcid", id, decks::IdKind::function));
+  const double scale = head.value("sfa") == 0.0 ? 1.0 : head.value("sfa"), shift = scale * head.value("offa");
+  if (shift <= 0.0 || 0.999 * shift >= points.x.front()) return;
+  points.x.insert(points.x.begin(), {0.0, 0.999 * shift});
+  points.y.insert(points.y.begin(), {0.0, 0.0});
+}
+
+/// Programs do not agree on what follows the last point of a function of time.
+void warn_of_end(Lowering& low, std::int64_t id, const Lowering::Points& points) {
+  const decks::Block* termination = low.last("CONTROL_TERMINATION");
+  const double end = termination ? low.row(*termination).value("endtim", time) : 0.0;
+  if (points.x.back() < end)
+    low.differ(points.origin, fmt::format("curve {} ends at {}, before the run does at {}; it keeps its last value, {}",
+                                          id, points.x.back(), end, points.y.back()));
+}
+
 }  // namespace
 
 Lowering::Points Lowering::curve_points(std::int64_t id, const Origin& where) {
@@ -39,9 +57,11 @@ Lowering::Points Lowering::curve_points(std::int64_t id, const Origin& where) {
 std::string Lowering::curve(std::int64_t id, const Origin& where) {
   std::string name = fmt::format("curve_{}", id);
   if (curves_.count(id) > 0) return name;
-  const Points points = curve_points(id, where);
+  Points points = curve_points(id, where);
   if (points.x.empty()) return {};
   curves_.insert(id);
+  begin_later(*this, id, points);
+  warn_of_end(*this, id, points);
   Node block = map_node(points.origin);
   add(block, "times", numbers(points.x, units.text_of(time), points.origin));
   add(block, "values", numbers(points.y, "", points.origin));

@@ -100,7 +100,7 @@ const std::vector<KeywordRule>& rules() {
       {"CONTROL_HOURGLASS",
        Fate::done,
        "`element` of parts without hourglass control of their own",
-       {{"ihq", used, "", "1, 2, 3: viscous; 4, 5: stiffness; 6, 7 and 9 become stiffness, with a warning"},
+       {{"ihq", used, "", "0 is 1; 1, 2, 3: viscous; 4, 5: stiffness; 6, 7 and 9 become stiffness, with a warning"},
         {"qh", used, "", "`hourglass_coefficient`; 0 is 0.1"}}},
       {"CONTROL_BULK_VISCOSITY",
        Fate::done,
@@ -111,9 +111,15 @@ const std::vector<KeywordRule>& rules() {
         {"btype tstype", no_effect, "", "beams and shells"}}},
       {"CONTROL_UNITS", Fate::done, "units of the deck", {{"length time mass temp", used, "", "units of the deck"}}},
       {"CONTROL_CONTACT",
-       Fate::without_effect,
-       "Kerf's contact has a stiffness and a search of its own",
-       {{"sfric dfric edc vfc", only, "0", "friction that all contacts have is not taken; write it to each"}}},
+       Fate::done,
+       "`checks.free_nodes`; Kerf's contact has a stiffness and a search of its own",
+       {{"enmass", used, "0 1 2", "1, 2: nodes without elements stay (`checks.free_nodes: keep`)"},
+        {"sfric dfric edc vfc", only, "0", "friction that all contacts have is not taken; write it to each"},
+        {"slsfac rwpnal islchk shlthk penopt thkchg orien usrstr usrfrc nsbcs interm xpene ssthk ecdt tiedprj th th_sf "
+         "pen_sf ignore frceng skiprwg outseg spotstp spotdel spothin isym nserod rwgaps rwgdth rwksf icov swradf "
+         "ithoff "
+         "shledg pstiff ithcnt tdcnof ftall shltrw igactc",
+         no_effect, "", "penalties, thicknesses, search and output, which Kerf does not have"}}},
       {"CONTROL_ENERGY", Fate::without_effect, "Kerf always keeps the whole energy ledger", {}},
       {"CONTROL_ACCURACY", Fate::without_effect, "Kerf's elements are objective to second order", {}},
       {"CONTROL_SOLID", Fate::without_effect, "details of other elements", {}},
@@ -204,7 +210,7 @@ const std::vector<KeywordRule>& rules() {
         {"vp", differs, "1", "the rate is always that of the plastic strain"},
         {"rateop", only, "0", "only the rate factor 1 + C ln(rate) is taken"},
         {"pc spall", used, "",
-         "1: `tension_limit`; 2: `tensile_stress`, 3: `minimum_pressure`, both with "
+         "PC 0 is no limit; 1: `tension_limit`; 2: `tensile_stress`, 3: `minimum_pressure`, both with "
          "`then: no_tension`"},
         {"it", no_effect, "", "iterations of the plasticity, which Kerf always carries to the end"},
         {"d1 d2 d3 d4 d5", used, "", "erosion `johnson_cook_damage`"},

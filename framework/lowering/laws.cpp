@@ -139,11 +139,10 @@ void elastic_plastic_hydro(Lowering& low, const Row& row, Material& made) {
 /// What SPALL makes of the pressure cut-off PC.
 void spall(Lowering& low, const Row& row, Material& made) {
   const double kind = row.value("spall"), cut = row.value("pc", pressure);
-  if (cut == 0.0 && !row.given("pc")) return;
+  if (cut == 0.0) return;  // no limit
   if (kind == 1.0) {
     made.tension_limit = tension(low, row, "pc");
   } else if (kind == 0.0 || kind == 2.0) {
-    if (cut == 0.0) return;
     Node criterion = typed("tensile_stress", row.origin("pc"));
     add(criterion, "limit", tension(low, row, "pc"));
     add(criterion, "then", scalar("no_tension", row.origin("spall")));

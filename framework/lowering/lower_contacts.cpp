@@ -21,10 +21,18 @@ class Contacts {
   void lower() {
     for (const Block& block : low_.deck.blocks())
       if (block.base().rfind("CONTACT_", 0) == 0) lower(block);
+    if (const Block* control = low_.last("CONTROL_CONTACT")) keep_free_nodes(low_.row(*control));
     if (!list_.items.empty()) add(low_.root, "contacts", std::move(list_));
   }
 
  private:
+  void keep_free_nodes(const Row& control) {
+    if (control.integer("enmass").value == 0) return;
+    Node checks = map_node(control.origin("enmass"));
+    add(checks, "free_nodes", scalar("keep", control.origin("enmass")));
+    add(low_.root, "checks", std::move(checks));
+  }
+
   void lower(const Block& block) {
     const std::string& base = block.base();
     if (base == "CONTACT_INTERIOR")

@@ -13,6 +13,7 @@ using decks::IdKind;
 
 /// A velocity that nodes get, and the nodes that no later card takes over.
 struct Given {
+  std::string keyword;
   Origin origin;
   std::array<double, 3> velocity{}, spin{}, point{};  // in the units of the deck; the spin in rad per time
   std::vector<std::int32_t> nodes;
@@ -42,10 +43,22 @@ class InitialVelocities {
     return {row.value(fields[0], dimension), row.value(fields[1], dimension), row.value(fields[2], dimension)};
   }
 
+  /// LS-DYNA does not say which of two kinds of cards counts.
+  void take_over(std::int32_t node, std::size_t card) {
+    std::int32_t& owner = owner_[static_cast<std::size_t>(node)];
+    if (owner >= 0 && given_[static_cast<std::size_t>(owner)].keyword != given_[card].keyword && !warned_) {
+      warned_ = true;
+      low_.differ(given_[card].origin,
+                  fmt::format("*{} and *{} mean the same node, {}; the one that is written last counts",
+                              given_[static_cast<std::size_t>(owner)].keyword, given_[card].keyword,
+                              low_.mesh.mesh.node_labels[static_cast<std::size_t>(node)]));
+    }
+    owner = static_cast<std::int32_t>(card);
+  }
+
   void give(Given given, const std::vector<std::int32_t>& nodes) {
-    for (const std::int32_t node : nodes)
-      owner_[static_cast<std::size_t>(node)] = static_cast<std::int32_t>(given_.size());
     given_.push_back(std::move(given));
+    for (const std::int32_t node : nodes) take_over(node, given_.size() - 1);
   }
 
   std::vector<std::int32_t> all_nodes() const {
@@ -75,10 +88,17 @@ class InitialVelocities {
 
   void of_set(const Row& row) {
     const std::int64_t id = row.id("nsid", IdKind::set).value, exempt = row.id("nsidex", IdKind::set).value;
-    give({row.origin("vx"), three(row, {"vx", "vy", "vz"}, velocity), {}, {}, {}, fmt::format("moving_{}", id)},
+    give({row.block().base(),
+          row.origin("vx"),
+          three(row, {"vx", "vy", "vz"}, velocity),
+          {},
+          {},
+          {},
+          fmt::format("moving_{}", id)},
          nodes_of_set(id, row.origin("nsid")));
     if (exempt != 0)
-      give({row.origin("vxe"),
+      give({row.block().base(),
+            row.origin("vxe"),
             three(row, {"vxe", "vye", "vze"}, velocity),
             {},
             {},
@@ -97,8 +117,10 @@ class InitialVelocities {
       if (node == index.end()) continue;  // check_references has complained
       const std::array<double, 3> v = three(row, {"vx", "vy", "vz"}, velocity);
       const auto [group, is_new] = groups.emplace(v, given_.size());
-      if (is_new) given_.push_back({row.origin("vx"), v, {}, {}, {}, fmt::format("moving_{}", given_.size() + 1)});
-      owner_[static_cast<std::size_t>(node->second)] = static_cast<std::int32_t>(group->second);
+      if (is_new)
+        given_.push_back(
+            {row.block().base(), row.origin("vx"), v, {}, {}, {}, fmt::format("moving_{}", given_.size() + 1)});
+      take_over(node->second, group->second);
     }
   }
 
@@ -121,7 +143,8 @@ class InitialVelocities {
   }
 
   void generated(const Row& row) {
-    Given given{row.origin("vx"),
+    Given given{row.block().base(),
+                row.origin("vx"),
                 three(row, {"vx", "vy", "vz"}, velocity),
                 {},
                 {},
@@ -185,6 +208,7 @@ class InitialVelocities {
   Lowering& low_;
   std::vector<std::int32_t> owner_;  // per node: which of given_, or -1
   std::vector<Given> given_;
+  bool warned_ = false;
 };
 
 }  // namespace

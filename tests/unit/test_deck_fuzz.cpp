@@ -6,12 +6,16 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <random>
 #include <regex>
 #include <string>
 #include <vector>
 
 #include "decks/deck_mesh.hpp"
+#include "input/read_model.hpp"
+#include "kerf/measure.hpp"
+#include "lowering/lower_deck.hpp"
+#include "plugin/loader.hpp"
+#include "support/damaged_deck.hpp"
 
 namespace {
 
@@ -25,93 +29,6 @@ std::string bytes_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
-
-/// One way to damage a deck, chosen by the generator. Numbers of std::mt19937 are the same everywhere, those of the
-/// distributions of the standard library are not: hence the remainders.
-class Damage {
- public:
-  explicit Damage(unsigned seed) : random_(seed) {}
-
-  std::string operator()(std::string text) {
-    for (std::size_t n = 1 + below(3); n > 0 && !text.empty(); --n) damage(text);
-    return text;
-  }
-
- private:
-  std::size_t below(std::size_t n) { return n == 0 ? 0 : random_() % n; }
-
-  /// Where a line begins, and how long it is with its end.
-  std::pair<std::size_t, std::size_t> line(const std::string& text) {
-    const std::size_t at = below(text.size());
-    const std::size_t before = at == 0 ? std::string::npos : text.rfind('\n', at - 1);
-    const std::size_t start = before == std::string::npos ? 0 : before + 1;
-    const std::size_t end = std::min(text.find('\n', start), text.size() - 1) + 1;
-    return {start, end - start};
-  }
-
-  void damage(std::string& text) {
-    static const std::vector<std::string> pieces = {"99999999999999999999",
-                                                    "-1",
-                                                    "1e308",
-                                                    "1e-400",
-                                                    "nan",
-                                                    "&x",
-                                                    "<1/0>",
-                                                    "<((((((",
-                                                    "\t",
-                                                    ",,,,,,,,,",
-                                                    "*END\n",
-                                                    "*NODE %\n",
-                                                    "*",
-                                                    "$",
-                                                    "\r",
-                                                    "*KEYWORD LONG=Y\n",
-                                                    "*INCLUDE\nbrick.k\n",
-                                                    "0",
-                                                    "*PARAMETER\nR x 1\n",
-                                                    std::string(3, '\0'),
-                                                    "*SET_NODE_LIST_GENERATE\n         9\n         1999999999\n",
-                                                    "*CASE_BEGIN_3\n",
-                                                    " +\n",
-                                                    "*ELEMENT_SOLID\n",
-                                                    "*DEFINE_TRANSFORMATION\n         1\nSCALE     1e300\n",
-                                                    "I10=Y",
-                                                    "_TITLE",
-                                                    "_ID"};
-    const auto [start, length] = line(text);
-    switch (below(8)) {
-      case 0:
-        text.resize(below(text.size()));
-        break;
-      case 1:
-        for (std::size_t k = 0; k < 1 + below(20); ++k) text[below(text.size())] ^= static_cast<char>(1 << below(8));
-        break;
-      case 2: {  // swaps two lines
-        const std::string first = text.substr(start, length);
-        text.erase(start, length);
-        text.insert(text.empty() ? 0 : line(text).first, first);
-        break;
-      }
-      case 3:
-        text.insert(start, text.substr(start, std::min<std::size_t>(text.size() - start, 1 + below(2000))));
-        break;
-      case 4:
-        text.erase(start, length);
-        break;
-      case 5:
-        text.insert(below(text.size()), pieces[below(pieces.size())]);
-        break;
-      case 6:
-        text.replace(start + below(length), std::min<std::size_t>(1 + below(12), text.size() - start - length + 1),
-                     pieces[below(pieces.size())]);
-        break;
-      default:
-        text[below(text.size())] = static_cast<char>(below(256));
-    }
-  }
-
-  std::mt19937 random_;
-};
 
 // KERF_FUZZ_DECKS asks for another number of decks, for campaigns by hand.
 TEST(DamagedDecks, neither_crash_nor_hang_and_every_error_has_a_place) {
@@ -136,7 +53,7 @@ TEST(DamagedDecks, neither_crash_nor_hang_and_every_error_has_a_place) {
   const unsigned n = wanted ? static_cast<unsigned>(std::atoi(wanted)) : 5000u;
   std::size_t n_with_errors = 0;
   for (unsigned seed = 1; seed <= n; ++seed) {
-    const std::string damaged = Damage(seed)(decks[seed % decks.size()]);
+    const std::string damaged = test::DeckDamage(seed)(decks[seed % decks.size()]);
     std::ofstream(path, std::ios::binary) << damaged;
     const auto begin = std::chrono::steady_clock::now();
     Diagnostics diagnostics;
@@ -154,6 +71,54 @@ TEST(DamagedDecks, neither_crash_nor_hang_and_every_error_has_a_place) {
     if (HasFailure()) break;
   }
   EXPECT_GT(n_with_errors, n / 3);  // damage that nobody sees would be no test
+  fs::remove_all(place);
+}
+
+/// What `kerf check` does before it makes a model: the document, its plugins, and what no single block can know.
+std::vector<std::string> errors_of_model(const std::string& path, const Registry& registry, unsigned seed) {
+  Diagnostics diagnostics;
+  OriginMap origins;
+  try {
+    lowering::LoweredDeck deck =
+        lowering::lower_deck(path, {"kg,mm,ms", 0, seed % 3 == 0, seed % 5 == 0, false}, diagnostics);
+    if (diagnostics.has_errors()) return diagnostics.errors();
+    MeshCache meshes;
+    meshes.add((fs::path(path).parent_path() / deck.mesh_name).lexically_normal().string(), deck.mesh);
+    const auto model = read_model_document(path, std::move(deck.document), std::move(meshes), {}, registry, diagnostics,
+                                           origins, read_text_file, {});
+    validate(*model, origins, diagnostics);
+  } catch (const InputError& e) {
+    return e.lines();
+  }
+  return diagnostics.errors();
+}
+
+TEST(DamagedDecks, become_models_or_errors_with_places) {
+  const fs::path place = fs::path(testing::TempDir()) / "kerf_damaged_models";
+  fs::create_directories(place);
+  std::vector<std::string> decks;
+  for (const char* name : {"01_one_element/one_element.k", "08_tension_table/tension.k", "10_topologies/topologies.k",
+                           "12_rubber_ball/rubber_ball.k", "14_unsupported/unsupported.k", "06_explosive_tube/tube.k",
+                           "07_ceramic_tile/tile.k", "13_rigid_ball/rigid_ball.k", "05_plate_impact/plate_impact.k"})
+    decks.push_back(bytes_of(folder / name));
+  Registry registry;
+  register_builtin_plugins(registry);
+  const std::string path = (place / "damaged.k").string();
+  const std::regex has_place("^[^:]+:[1-9][0-9]*:[1-9][0-9]*: error: .+");
+  const char* wanted = std::getenv("KERF_FUZZ_DECKS");
+  const unsigned n = wanted ? static_cast<unsigned>(std::atoi(wanted)) : 1000u;
+  std::size_t n_good = 0;
+  for (unsigned seed = 1; seed <= n; ++seed) {
+    std::ofstream(path, std::ios::binary) << test::DeckDamage(seed + 1000000u)(decks[seed % decks.size()]);
+    const auto begin = std::chrono::steady_clock::now();
+    const std::vector<std::string> errors = errors_of_model(path, registry, seed);
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 5.0) << "seed " << seed;
+    n_good += errors.empty() ? 1 : 0;
+    for (const std::string& line : errors)
+      EXPECT_TRUE(std::regex_match(line, has_place)) << "seed " << seed << ": " << line;
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(n_good, n / 20);  // else the steps beyond the reader would not be tried
   fs::remove_all(place);
 }
 
