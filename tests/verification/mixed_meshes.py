@@ -83,7 +83,7 @@ class MixedBlock:
 
 
 def wedge_volume(c, tetrahedron):
-    return tetrahedron(c[0], c[1], c[2], c[3]) + tetrahedron(c[1], c[2], c[3], c[4]) + tetrahedron(c[2], c[3], c[4], c[5])
+    return sum(tetrahedron(*c[k : k + 4]) for k in range(3))
 
 
 def write_msh(path, blocks, faces=None):
