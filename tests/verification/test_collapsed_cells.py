@@ -87,12 +87,16 @@ def test_a_spinning_body_keeps_its_energy(kerf, mixed):
 
 
 def test_pressure_pushes_with_the_area_of_triangles_and_quadrilaterals(kerf, mixed):
-    pressure, end = 1e5, 1e-6
+    pressure, end, step = 1e5, 1e-6, 1e-8
     run = kerf(model({"body": part(mixed[0])}, end, sets={"top": {"face": "top"}},
-                     loads=[{"type": "pressure", "facets": "top", "pressure": pressure}]))
+                     loads=[{"type": "pressure", "facets": "top", "pressure": pressure}]),
+               f"time.maximum_step={step}")
     final = np.array(run.summary["momentum"]["final"])
-    # The face stretches by p / K, 6e-7, at most.
-    assert final[2] == pytest.approx(-pressure * 9e-6 * end, rel=1e-5)
+    steps = np.diff(run.history["time"])
+    assert run.summary["cycles"] <= 101 and steps.max() <= step * 1.001
+    # Forces act from the end of the first step on. The face stretches by p / K, 6e-7, at most.
+    first = run.history["time"][1]
+    assert final[2] == pytest.approx(-pressure * 9e-6 * (end - 0.5 * first), rel=1e-5)
     assert np.abs(final[:2]).max() < 1e-5 * abs(final[2])
 
 
@@ -106,7 +110,7 @@ def test_pressure_all_round_moves_nothing(kerf, mixed):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_elastic_bar_bounces_off_a_wall(kerf, tmp_path, kind):
-    """2 x 2 x 10 mm, at the default safety factor: the energy balance holds, and the bar leaves with its speed."""
+    """2 x 2 x 10 mm, at the default safety factor: the energy balance holds, and the bar leaves as bricks do."""
     write_msh(tmp_path / "bar.msh", {"bar": MixedBlock((2, 2, 10), of_one_kind(kind))})
     run = kerf(model({"bar": part(tmp_path / "bar.msh", velocity=(0, 0, -20))}, "8 us",
                      boundaries=[{"type": "rigid_wall", "normal": [0, 0, 1], "point": [0, 0, 0]}]))
@@ -115,7 +119,8 @@ def test_an_elastic_bar_bounces_off_a_wall(kerf, tmp_path, kind):
           "hourglass", energy["hourglass"] / energy["initial"])
     assert abs(energy["balance_error"]) < 2e-3
     assert energy["hourglass"] < 0.02 * energy["initial"]
-    assert run.summary["parts"]["bar"]["velocity"][2] == pytest.approx(20.0, rel=0.08)
+    # A bar of bricks of the same size leaves with 18.06 m/s: the rest vibrates.
+    assert run.summary["parts"]["bar"]["velocity"][2] == pytest.approx(18.06, rel=0.04)
 
 
 @pytest.mark.parametrize("contact", list(CONTACTS))
@@ -151,7 +156,7 @@ def penetration(tmp_path_factory):
     copper = {"density": 8930, "strength": {"type": "elastic_plastic", "shear_modulus": "43 GPa",
                                             "yield_stress": "200 MPa", "hardening_modulus": "100 MPa"},
               "eos": {"type": "linear", "bulk_modulus": "130 GPa"},
-              "erosion": {"criteria": [{"type": "plastic_strain", "threshold": 0.6}, {"type": "inversion"}]}}
+              "erosion": {"criteria": [{"type": "plastic_strain", "limit": 0.6}, {"type": "inversion"}]}}
     return model({"rod": part(path, "rod", (0, 0, -900)), "plate": part(path, "plate")}, "6 us",
                  contacts=[{"type": "eroding_surface"}]) | {"materials": {"steel": copper}}
 
@@ -202,6 +207,9 @@ def test_results_have_the_cells_that_the_mesh_has(kerf, mixed):
         sizes.SetInputData(grid)
         sizes.Update()
         volumes = vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray("Volume"))
+        # The order of a wedge is that of vtkWedge, whose first triangle looks outward. Verdict, which measures here,
+        # has it the other way round.
+        volumes = np.where(np.array(types) == 13, -volumes, volumes)
         assert volumes == pytest.approx(1e-9 * block.volumes(), rel=1e-9)
         # A picture shows the outside, and nothing that lies between cells.
         surface = vtkGeometryFilter()
