@@ -3,6 +3,7 @@ pressure, bars that bounce, contact both ways, erosion, the same bits on any ran
 
 import json
 import math
+import subprocess
 
 import h5py
 import numpy as np
@@ -222,9 +223,7 @@ def test_results_have_the_cells_that_the_mesh_has(kerf, mixed):
         assert areas.sum() == pytest.approx(6 * 9e-6, rel=1e-9)
 
 
-def test_an_element_that_takes_no_collapsed_cells_and_other_coincidences_are_refused(binary, mixed, tmp_path):
-    import subprocess
-
+def test_other_coincidences_are_refused_by_name(binary, tmp_path):
     block = MixedBlock((1, 1, 1), of_one_kind("brick"))
     block.cells[0][7] = block.cells[0][6]  # one edge
     write_msh(tmp_path / "edge.msh", {"body": block})
