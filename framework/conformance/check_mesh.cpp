@@ -8,6 +8,7 @@
 
 #include "conformance/checks.hpp"
 #include "drive/cell_part.hpp"
+#include "kerf/collapsed_cell.hpp"
 #include "kerf/mesh.hpp"
 
 namespace kerf {
@@ -34,7 +35,9 @@ std::string fault_of(const MeshGenerator& mesh) {
       corners[static_cast<std::size_t>(k)] = k;
       cell.x.push_back(mesh.node(n));
     }
-    if (static_cast<int>(distinct.size()) != shape.n_nodes) return fmt::format("element {} has a node twice", e);
+    if (static_cast<int>(distinct.size()) != DistinctCell(shape, ids).shape->n_nodes)
+      return fmt::format(
+          "element {} has a node twice, and is no wedge, pyramid or tetrahedron in the order of CellKind", e);
     const double volume = volume_by_divergence(cell, corners);
     if (!(volume > 0.0) || !std::isfinite(volume))
       return fmt::format(
@@ -56,6 +59,7 @@ std::set<std::array<std::int64_t, 4>> surface_of(const MeshGenerator& mesh) {
     for (int f = 0; f < shape.n_faces; ++f) {
       std::array<std::int64_t, 4> corners;
       for (std::size_t c = 0; c < 4; ++c) corners[c] = ids[static_cast<std::size_t>(shape.face[f][c])];
+      if (is_collapsed_face(corners)) continue;
       const auto key = face_key(corners);
       if (!surface.erase(key)) surface.insert(key);
     }

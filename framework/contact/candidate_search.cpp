@@ -348,7 +348,7 @@ struct CandidateSearch::Tables : SearchRecords {
     role.push_back(facet.role);
     if (may_meet(f)) late.push_back(f);
     corners.push_back(corners_of(facet));
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < n_corners(corners[f]); ++k) {
       around.add(corners[f][k], f, ids);
       affected.push_back(corners[f][k]);
     }

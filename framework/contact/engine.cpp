@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "kerf/collapsed_cell.hpp"
 #include "kerf/shape.hpp"
 #include "model/names.hpp"
 #include "parallel/communicator.hpp"
@@ -36,10 +37,12 @@ void ContactEngine::measure_sight(const Model& model) {
     for (int s = 0; s < part.store->n_slots(); ++s) {
       if (!part.store->live(s)) continue;
       const Shape& shape = part.store->shape();
+      std::int32_t node[Shape::most_nodes] = {};
       Vec3 x[Shape::most_nodes];
-      for (int k = 0; k < shape.n_nodes; ++k) x[k] = model.nodes.x(part.store->node(s, k));
+      for (int k = 0; k < shape.n_nodes; ++k) x[k] = model.nodes.x(node[k] = part.store->node(s, k));
       for (int f = 0; f < shape.n_faces; ++f) {
         const auto& face = shape.face[f];
+        if (is_collapsed_face(std::array{node[face[0]], node[face[1]], node[face[2]], node[face[3]]})) continue;
         FacetBounds bounds;
         for (int k = 0; k < 4; ++k) bounds.edge = std::max(bounds.edge, norm(x[face[(k + 1) % 4]] - x[face[k]]));
         bounds.longest_edge = bounds.thickness = bounds.edge;

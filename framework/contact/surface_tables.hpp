@@ -71,20 +71,23 @@ class Numbering {
 /// Node numbers of a facet's corners, then of the other four nodes of its element.
 using Corners = std::array<std::int32_t, 8>;
 
+/// Of a facet: a triangle repeats its last corner.
+inline int n_corners(const Corners& c) { return c[2] == c[3] ? 3 : 4; }
+
 /// Facets around every node of the surface, sorted by id, as they come and go.
 class Around {
  public:
   void build(const std::vector<Corners>& corners, const std::vector<std::int64_t>& ids, std::size_t n_nodes) {
     std::vector<std::int32_t> first(n_nodes + 1, 0);
     for (const Corners& c : corners)
-      for (int k = 0; k < 4; ++k) ++first[c[k] + 1];
+      for (int k = 0; k < n_corners(c); ++k) ++first[c[k] + 1];
     for (std::size_t n = 0; n < n_nodes; ++n) first[n + 1] += first[n];
     rows_.resize(n_nodes);
     for (std::size_t n = 0; n < n_nodes; ++n) rows_[n] = {first[n], first[n]};
     facet_.resize(4 * corners.size());
     // One after another into their place: there are four facets round most nodes.
     for (std::size_t f = 0; f < corners.size(); ++f)
-      for (int k = 0; k < 4; ++k) {
+      for (int k = 0; k < n_corners(corners[f]); ++k) {
         Row& row = rows_[corners[f][k]];
         std::int32_t at = row.end++;
         for (; at > row.begin && ids[facet_[at - 1]] > ids[f]; --at) facet_[at] = facet_[at - 1];

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kerf/collapsed_cell.hpp"
 #include "model/node_group.hpp"
 #include "model/setup.hpp"
 #include "parallel/communicator.hpp"
@@ -96,11 +97,10 @@ void FacetMarks::before_erosion(const Model& model, const std::vector<ExteriorFa
     const PartStore& store = *model.parts[static_cast<std::size_t>(e.part)].store;
     const Shape& shape = store.shape();
     Dying element;
-    element.n_faces = shape.n_faces;
     for (int face = 0; face < shape.n_faces; ++face) {
       FaceKey nodes{};
       for (std::size_t c = 0; c < 4; ++c) nodes[c] = model.nodes.id[store.node(e.slot, shape.face[face][c])];
-      element.faces[static_cast<std::size_t>(face)] = face_key(nodes);
+      if (!is_collapsed_face(nodes)) element.faces[static_cast<std::size_t>(element.n_faces++)] = face_key(nodes);
     }
     for (std::size_t k = 0; k < laws_.size(); ++k) {
       if (!laws_[k]->follows_erosion() || faces_marked(store, e.slot, k) == 0) continue;

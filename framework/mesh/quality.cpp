@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "kerf/collapsed_cell.hpp"
+
 namespace kerf {
 
 namespace {
@@ -40,22 +42,23 @@ double longest_edge(const Shape& shape, const CellCorners& x) {
   return most;
 }
 
-CellCorners corners_of(const MeshGenerator& mesh, std::int64_t element) {
-  const auto nodes = mesh.element(element);
+PlacedCell placed_cell(const MeshGenerator& mesh, std::int64_t element) {
+  const ElementNodeIds nodes = mesh.element(element);
   CellCorners x;
   for (std::size_t k = 0; k < static_cast<std::size_t>(mesh.shape().n_nodes); ++k) x[k] = mesh.node(nodes[k]);
-  return x;
+  const DistinctCell cell(mesh.shape(), nodes);
+  return {cell.shape, cell.of(x)};
 }
 
 MeshReport assess(const MeshGenerator& mesh) {
-  const Shape& shape = mesh.shape();
   MeshReport report;
   report.n_elements = mesh.n_elements();
   report.n_nodes = mesh.n_nodes();
   if (report.n_elements > 0)
     report.smallest_edge = report.min_scaled_jacobian = std::numeric_limits<double>::infinity();
   for (std::int64_t e = 0; e < report.n_elements; ++e) {
-    const CellCorners x = corners_of(mesh, e);
+    const auto [cell, x] = placed_cell(mesh, e);
+    const Shape& shape = *cell;
     const double volume = volume_by_faces(shape, x), jacobian = min_scaled_jacobian(shape, x);
     report.total_volume += volume;
     report.largest_edge = max_of(report.largest_edge, longest_edge(shape, x));

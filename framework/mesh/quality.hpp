@@ -16,8 +16,12 @@ double shortest_edge(const Shape& shape, const CellCorners& x);
 /// Length of the longest edge [m].
 double longest_edge(const Shape& shape, const CellCorners& x);
 
-/// Corner positions of an element of a generator.
-CellCorners corners_of(const MeshGenerator& mesh, std::int64_t element);
+/// An element of a generator: its shape, that of its distinct nodes where it is collapsed, and where these lie.
+struct PlacedCell {
+  const Shape* shape = nullptr;
+  CellCorners x;  // [m]
+};
+PlacedCell placed_cell(const MeshGenerator& mesh, std::int64_t element);
 
 /// What is known of a mesh before an element computes it; volumes are those of plane or bilinear faces.
 struct MeshReport {

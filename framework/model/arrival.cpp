@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/assert.hpp"
+#include "kerf/collapsed_cell.hpp"
 #include "kerf/law_use.hpp"
 #include "model/copies.hpp"
 #include "model/eikonal.hpp"
@@ -116,8 +117,11 @@ class ArrivalFinder {
         for (int f = 0; store.live(s) && f < store.shape().n_faces; ++f) {
           Facet facet;
           facet.fronts = p.fronts;
+          std::array<std::int32_t, 4> corners{};
+          for (std::size_t k = 0; k < 4; ++k) corners[k] = store.node(s, store.shape().face[f][k]);
+          if (is_collapsed_face(corners)) continue;
           for (std::size_t k = 0; k < 4; ++k) {
-            const std::int32_t node = store.node(s, store.shape().face[f][k]);
+            const std::int32_t node = corners[k];
             facet.key[k] = model_.nodes.id[index(node)];
             for (int d = 0; d < 3; ++d) facet.corners[3 * k + index(d)] = model_.nodes.x(node)[d];
           }
@@ -154,7 +158,9 @@ class ArrivalFinder {
     const auto each_node = [&](const auto& work) {
       for (std::size_t e = 0; e < elements_.size(); ++e) {
         const PartStore& store = store_of(elements_[e]);
-        for (int k = 0; k < store.n_nodes(); ++k) work(e, index(store.node(elements_[e].slot, k)));
+        const DistinctCell cell = distinct(elements_[e]);
+        for (int k = 0; k < cell.shape->n_nodes; ++k)
+          work(e, index(store.node(elements_[e].slot, cell.corner[index(k)])));
       }
     };
     for (std::size_t p = 0; p < parts_.size(); ++p)
@@ -199,11 +205,19 @@ class ArrivalFinder {
       }
   }
 
+  DistinctCell distinct(const Element& e) {
+    const PartStore& store = store_of(e);
+    ElementNodeIds nodes{};
+    for (int k = 0; k < store.n_nodes(); ++k) nodes[index(k)] = store.node(e.slot, k);
+    return {store.shape(), nodes};
+  }
+
   Vec3 centre(const Element& e) {
     const PartStore& store = store_of(e);
+    const DistinctCell cell = distinct(e);
     Vec3 sum;
-    for (int k = 0; k < store.n_nodes(); ++k) sum = sum + model_.nodes.x(store.node(e.slot, k));
-    return sum * (1.0 / store.n_nodes());
+    for (int k = 0; k < cell.shape->n_nodes; ++k) sum = sum + model_.nodes.x(store.node(e.slot, cell.corner[index(k)]));
+    return sum * (1.0 / cell.shape->n_nodes);
   }
 
   /// Where no node sees an origin, because it lies outside, the nearest element burns from there.
@@ -270,23 +284,25 @@ class ArrivalFinder {
     for (const std::int32_t e : active) {
       const Element& element = elements_[index(e)];
       const PartStore& store = store_of(element);
-      const auto corners = known(element);
-      for (int k = 0; k < store.n_nodes(); ++k) {
-        const std::size_t node = index(store.node(element.slot, k));
+      const DistinctCell cell = distinct(element);
+      const auto corners = known(element, cell);
+      for (int k = 0; k < cell.shape->n_nodes; ++k) {
+        const std::size_t node = index(store.node(element.slot, cell.corner[index(k)]));
         if (is_exact_[node] != 0) continue;
         const double time =
-            through(store.shape(), corners, k, corners[index(k)].x, fronts_of(element).slowness, time_[node]);
+            through(*cell.shape, corners, k, corners[index(k)].x, fronts_of(element).slowness, time_[node]);
         if (time < time_[node]) found.emplace_back(node, time);
       }
     }
     for (const auto& [node, time] : found) set_time(node, time);
   }
 
-  std::array<Known, Shape::most_nodes> known(const Element& e) {
+  /// Of the distinct nodes of an element.
+  std::array<Known, Shape::most_nodes> known(const Element& e, const DistinctCell& cell) {
     const PartStore& store = store_of(e);
     std::array<Known, Shape::most_nodes> corners;
-    for (int k = 0; k < store.n_nodes(); ++k) {
-      const std::int32_t node = store.node(e.slot, k);
+    for (int k = 0; k < cell.shape->n_nodes; ++k) {
+      const std::int32_t node = store.node(e.slot, cell.corner[index(k)]);
       corners[index(k)] = {model_.nodes.x(node), time_[index(node)]};
     }
     return corners;
@@ -324,7 +340,8 @@ class ArrivalFinder {
       Fronts& f = fronts_of(e);
       const Vec3 x = centre(e);
       double time = straight(f, x);
-      if (!is_uniform_ || !(time < never)) time = through(store_of(e).shape(), known(e), -1, x, f.slowness, time);
+      const DistinctCell cell = distinct(e);
+      if (!is_uniform_ || !(time < never)) time = through(*cell.shape, known(e, cell), -1, x, f.slowness, time);
       store_of(e).field(p.field).set(e.slot, p.component, std::min(time, FrontLaw::never));
     }
   }

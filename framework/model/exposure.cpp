@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "kerf/collapsed_cell.hpp"
 #include "model/constraints.hpp"
 #include "model/node_group.hpp"
 
@@ -22,6 +23,20 @@ bool rules(const Boundary& boundary, const BoundaryNode& node, Vec3 normal) {
     if (!(std::fabs(one - other) < 1e-6)) return false;
   }
   return true;
+}
+
+/// A collapsed cell has fewer faces. It counts as many of the shape's faces as leave it as free: with all of its own
+/// faces but two or less exposed, none; with all of them, all. What lies between is rounded up, to the safe side.
+void count_in_faces_of_shape(const PartStore& store, std::vector<std::uint8_t>& exposed) {
+  const int all = store.shape().n_faces;
+  for (int s = 0; s < store.n_slots(); ++s) {
+    std::uint8_t& n = exposed[static_cast<std::size_t>(s)];
+    if (n <= 2) continue;
+    ElementNodeIds nodes{};
+    for (int k = 0; k < store.n_nodes(); ++k) nodes[static_cast<std::size_t>(k)] = store.node(s, k);
+    const int own = DistinctCell(store.shape(), nodes).shape->n_faces;
+    n = static_cast<std::uint8_t>(2 + ((n - 2) * (all - 2) + own - 3) / (own - 2));
+  }
 }
 
 }  // namespace
@@ -47,6 +62,7 @@ std::vector<std::vector<std::uint8_t>> count_exposed_faces(Model& model) {
     for (const std::int32_t corner : f.nodes) free = free || !held(corner, normal);
     if (free) ++exposed[static_cast<std::size_t>(f.part)][static_cast<std::size_t>(f.slot)];
   }
+  for (std::size_t p = 0; p < model.parts.size(); ++p) count_in_faces_of_shape(*model.parts[p].store, exposed[p]);
   return exposed;
 }
 

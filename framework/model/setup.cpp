@@ -14,6 +14,7 @@
 #include "core/fixed_sum.hpp"
 #include "core/memory.hpp"
 #include "input/node_choice.hpp"
+#include "kerf/collapsed_cell.hpp"
 #include "mesh/quality.hpp"
 #include "model/arrival.hpp"
 #include "model/constraints.hpp"
@@ -75,6 +76,9 @@ struct MeshFacts {
   std::vector<double> shortest_edges;  // per part [m]
   std::vector<std::int64_t> n_unusable;  // per part: elements that cannot be computed
   std::vector<std::int64_t> first_unusable;  // per part: the lowest id of one
+  /// Per part: the least number of an element that is collapsed though its technology does not take such cells, and of
+  /// one whose corners coincide as in no kind of cell; beyond all elements where there is none.
+  std::vector<std::int64_t> first_collapsed, first_unknown;
   std::vector<Membership> memberships;  // that the nodes have
   std::string law_trouble;  // what a law has thrown for the first element that it did not like
 
@@ -82,16 +86,20 @@ struct MeshFacts {
       : sizes(n_parts, {std::numeric_limits<double>::max(), 0.0}),
         shortest_edges(n_parts, std::numeric_limits<double>::max()),
         n_unusable(n_parts, 0),
-        first_unusable(n_parts, std::numeric_limits<std::int64_t>::max()) {
+        first_unusable(n_parts, std::numeric_limits<std::int64_t>::max()),
+        first_collapsed(n_parts, std::numeric_limits<std::int64_t>::max()),
+        first_unknown(n_parts, std::numeric_limits<std::int64_t>::max()) {
     scale.shortest_edge = std::numeric_limits<double>::max();
   }
 };
 
 /// Makes the record of a fresh element, and notes what its shape says.
-void weigh_element(const PartModel& part, std::size_t p, std::int64_t id, const CellCorners& x, double* record,
-                   MeshFacts& facts) {
-  const Shape& shape = part.store->shape();
-  const double volume = part.input->element->volume(x);
+void weigh_element(const PartModel& part, std::size_t p, std::int64_t id, const ElementNodeIds& ids,
+                   const CellCorners& corners, double* record, MeshFacts& facts) {
+  const DistinctCell cell(part.store->shape(), ids);
+  const Shape& shape = *cell.shape;
+  const CellCorners x = cell.of(corners);
+  const double volume = part.input->element->volume(corners);
   if (!(volume > 0.0) || !(min_scaled_jacobian(shape, x) > 0.0)) {
     ++facts.n_unusable[p];
     facts.first_unusable[p] = std::min(facts.first_unusable[p], id);
@@ -103,9 +111,8 @@ void weigh_element(const PartModel& part, std::size_t p, std::int64_t id, const 
   facts.sizes[p] = {std::min(facts.sizes[p][0], edge), std::max(facts.sizes[p][1], edge)};
   part.store->initial_record(part.material->density * volume, record);
   InitialPoint point;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(part.store->n_nodes()); ++k)
-    point.position = point.position + x[k];
-  point.position = point.position * (1.0 / part.store->n_nodes());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(shape.n_nodes); ++k) point.position = point.position + x[k];
+  point.position = point.position * (1.0 / shape.n_nodes);
   point.length = kerf::pow(volume, 1.0 / 3.0);
   point.density = part.material->density;
   try {
@@ -127,6 +134,16 @@ std::pair<std::int64_t, std::int64_t> range_of_nodes(const MeshGenerator& mesh, 
     }
   }
   return range;
+}
+
+/// Notes where corners coincide though they must not, or as they must not.
+void look_at_kind(const PartModel& part, std::size_t p, std::int64_t element, const ElementNodeIds& ids,
+                  MeshFacts& facts) {
+  if (part.store->shape().vtk_type != hexahedron.vtk_type) return;
+  const CellKind kind = kind_of_cell(ids);
+  if (kind == CellKind::hexahedron) return;
+  std::int64_t& first = kind == CellKind::unknown ? facts.first_unknown[p] : facts.first_collapsed[p];
+  if (kind == CellKind::unknown || !part.input->element->takes_collapsed_cells()) first = std::min(first, element);
 }
 
 /// Elements [first, last) of a part, counted within the part.
@@ -168,11 +185,37 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
       }
       bundle.nodes.push_back(r);
     }
-    weigh_element(part, p, part.first_element + e, x, out.records.data() + static_cast<std::size_t>(e - first) * size,
-                  facts);
+    look_at_kind(part, p, e, corners, facts);
+    weigh_element(part, p, part.first_element + e, ids, x,
+                  out.records.data() + static_cast<std::size_t>(e - first) * size, facts);
     out.ids.push_back(part.first_element + e);
     out.nodes.push_back(ids);
   }
+}
+
+/// Throws where corners coincide in a way that cannot be computed. Collective.
+void refuse_collapsed(const Model& model, const MeshFacts& facts) {
+  std::vector<std::string> errors;
+  const auto least_of = [&](std::int64_t mine) {
+    MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT64_T, MPI_MIN, model.comm);
+    return mine;
+  };
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const PartInput& part = *model.parts[p].input;
+    const auto refuse = [&](std::int64_t element, const std::string& what) {
+      if (element < part.mesh->n_elements())
+        errors.push_back(fmt::format("{}: error: element {} of part {} {}", part.mesh->origin,
+                                     part.mesh->element_label(element), part.name, what));
+    };
+    refuse(least_of(facts.first_collapsed[p]),
+           fmt::format("is a wedge, a pyramid or a tetrahedron, and the element {} computes none; expected hexahedra, "
+                       "or the element hex8",
+                       part.element->type));
+    refuse(least_of(facts.first_unknown[p]),
+           "has corners that coincide in another way than those of a wedge, a pyramid or a tetrahedron; expected eight "
+           "different nodes, or one of these cells");
+  }
+  if (!errors.empty()) throw InputError(errors);
 }
 
 /// Throws where elements have no volume or are turned inside out. Collective.
@@ -264,7 +307,7 @@ void reweigh_elements(const Model& model, const std::vector<std::int64_t>& moved
         x[k] = {at[0], at[1], at[2]};
       }
       if (any)
-        weigh_element(model.parts[p], p, elements.ids[e], x,
+        weigh_element(model.parts[p], p, elements.ids[e], elements.nodes[e], x,
                       &elements.records[e * static_cast<std::size_t>(store.record_size())], facts);
     }
   }
@@ -282,6 +325,8 @@ void refuse_same_cells(const Model& model, const ModelBundle& bundle) {
       for (std::size_t k = static_cast<std::size_t>(model.parts[p].store->n_nodes()); k < ids.size(); ++k)
         ids[k] = std::numeric_limits<std::int64_t>::max();
       std::sort(ids.begin(), ids.end());
+      // Cells that are collapsed may repeat different nodes.
+      std::fill(std::unique(ids.begin(), ids.end()), ids.end(), std::numeric_limits<std::int64_t>::max());
       outgoing[static_cast<std::size_t>(ids[0] % model.n_ranks())].push_back({ids, static_cast<std::int64_t>(p)});
     }
   std::vector<Nodes> all;
@@ -444,6 +489,7 @@ void generate_mesh(Model& model) {
     const std::int64_t high = std::clamp(last - part.first_element, std::int64_t{0}, part.n_elements);
     if (low < high) generate_part(model, p, low, high, bundle, facts);
   }
+  refuse_collapsed(model, facts);
   refuse_unusable(model, facts);
   refuse_beyond_floats(model, facts);
   model.dummy_edge = dummy_size * greatest(model.comm, facts.longest_edge);

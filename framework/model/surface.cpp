@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "core/assert.hpp"
-#include "kerf/shape.hpp"
+#include "kerf/collapsed_cell.hpp"
 #include "model/model.hpp"
 #include "parallel/ownership.hpp"
 
@@ -61,7 +61,8 @@ void Surface::match_local(const SurfaceMesh& mesh, std::vector<std::int64_t>& op
       for (int s = 0; s < store.n_slots(); ++s) {
         if (!store.live(s)) continue;
         for (int f = 0; f < store.shape().n_faces; ++f) {
-          visit(face_key(face_nodes(store, s, f)), offset_[p] + s, f);
+          const std::array<std::int32_t, 4> nodes = face_nodes(store, s, f);
+          if (!is_collapsed_face(nodes)) visit(face_key(nodes), offset_[p] + s, f);
         }
       }
     }
@@ -219,9 +220,11 @@ void Surface::find_exterior(const SurfaceMesh& mesh) {
     const PartStore& store = *mesh.parts[p].store;
     for (int s = 0; s < store.n_slots(); ++s) {
       if (!store.live(s)) continue;
-      for (int f = 0; f < store.shape().n_faces; ++f)
-        if (open_face(mesh, static_cast<int>(p), offset_[p] + s, f))
-          exterior_.push_back(facet(mesh, static_cast<std::int32_t>(p), s, f));
+      for (int f = 0; f < store.shape().n_faces; ++f) {
+        if (!open_face(mesh, static_cast<int>(p), offset_[p] + s, f)) continue;
+        const ExteriorFacet found = facet(mesh, static_cast<std::int32_t>(p), s, f);
+        if (!is_collapsed_face(found.nodes)) exterior_.push_back(found);
+      }
     }
   }
   n_sorted_ = exterior_.size();

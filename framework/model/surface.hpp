@@ -2,7 +2,7 @@
 //
 // Elements are numbered through all parts of the rank: slot of part p plus the part's offset. Neighbours may be of
 // different parts, where these share nodes. Faces are numbered as the shape of their element says, nodes
-// counter-clockwise seen from outside.
+// counter-clockwise seen from outside. What is collapsed to a line is no face.
 #pragma once
 
 #include <mpi.h>

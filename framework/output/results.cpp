@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "kerf/shape.hpp"
+#include "kerf/collapsed_cell.hpp"
 #include "output/collective.hpp"
 #include "output/hdf5_file.hpp"
 
@@ -336,28 +336,31 @@ void ResultsWriter::Impl::read_last_points() {
 
 namespace {
 
-/// Connectivity of a slab of elements, and where each of them begins in the connectivity of all.
+/// Connectivity of a slab of elements, and where each of them begins in the connectivity of all. Collapsed cells are
+/// written as the wedges, pyramids and tetrahedra that they are.
 struct Cells {
   std::vector<std::int64_t> nodes, offsets;
   std::vector<std::uint8_t> types;
   std::int64_t first = 0, n_all = 0;  // entries of the connectivity before this slab, and in the file
 
-  Cells(const std::vector<ResultsWriter::PartTopology>& parts, std::int64_t begin,
-        const std::vector<std::int64_t>& padded, const std::vector<std::int32_t>& part_of) {
-    std::int64_t left = begin;
-    for (const auto& part : parts) {
-      const std::int64_t before = std::min(left, part.n_elements);
-      first += before * part.shape->n_nodes;
-      left -= before;
-      n_all += part.n_elements * part.shape->n_nodes;
-    }
+  /// Collective.
+  Cells(MPI_Comm comm, const std::vector<ResultsWriter::PartTopology>& parts, const std::vector<std::int64_t>& padded,
+        const std::vector<std::int32_t>& part_of) {
     for (std::size_t e = 0; e < part_of.size(); ++e) {
-      const Shape& shape = *parts[static_cast<std::size_t>(part_of[e])].shape;
-      offsets.push_back(first + static_cast<std::int64_t>(nodes.size()));
-      types.push_back(static_cast<std::uint8_t>(shape.vtk_type));
-      const auto from = padded.begin() + static_cast<std::ptrdiff_t>(e * Shape::most_nodes);
-      nodes.insert(nodes.end(), from, from + shape.n_nodes);
+      ElementNodeIds corners{};
+      std::copy_n(padded.begin() + static_cast<std::ptrdiff_t>(e * Shape::most_nodes), Shape::most_nodes,
+                  corners.begin());
+      const DistinctCell cell(*parts[static_cast<std::size_t>(part_of[e])].shape, corners);
+      offsets.push_back(static_cast<std::int64_t>(nodes.size()));
+      types.push_back(static_cast<std::uint8_t>(cell.shape->vtk_type));
+      const ElementNodeIds distinct = cell.of(corners);
+      nodes.insert(nodes.end(), distinct.begin(), distinct.begin() + cell.shape->n_nodes);
     }
+    const auto n = static_cast<std::int64_t>(nodes.size());
+    MPI_Allreduce(&n, &n_all, 1, MPI_INT64_T, MPI_SUM, comm);
+    MPI_Scan(&n, &first, 1, MPI_INT64_T, MPI_SUM, comm);
+    first -= n;
+    for (std::int64_t& offset : offsets) offset += first;
   }
 };
 
@@ -388,7 +391,7 @@ void ResultsWriter::Impl::write_topology(std::span<const std::int64_t> elements,
   const std::span<const std::int64_t> flat(nodes.empty() ? nullptr : nodes.front().data(),
                                            nodes.size() * Shape::most_nodes);
   const std::vector<std::int32_t> parts_here = plan.to_slab<std::int32_t>(part_of, 1, 0);
-  Cells cells(parts, begin, plan.to_slab<std::int64_t>(flat, Shape::most_nodes, 0), parts_here);
+  Cells cells(comm_, parts, plan.to_slab<std::int64_t>(flat, Shape::most_nodes, 0), parts_here);
   store(*root_, "Connectivity", cells.n_all, cells.first, cells.nodes);
   // One entry more than there are elements; the last rank adds it.
   if (rank_ == n_ranks_ - 1) cells.offsets.push_back(cells.n_all);

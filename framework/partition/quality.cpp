@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kerf/collapsed_cell.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/fetch_by_id.hpp"
 
@@ -142,7 +143,9 @@ void count_faces(const Model& model, const std::vector<int>& parts, PartitionQua
     for (int s = 0; s < p.store->n_slots(); ++s) {
       if (!p.store->live(s)) continue;
       const auto part = static_cast<std::size_t>(parts[e]);
-      q.faces[part] += p.store->shape().n_faces;
+      ElementNodeIds nodes{};
+      for (int k = 0; k < p.store->n_nodes(); ++k) nodes[static_cast<std::size_t>(k)] = p.store->node(s, k);
+      q.faces[part] += DistinctCell(p.store->shape(), nodes).shape->n_faces;
       for (std::size_t k = neighbours.first[e]; k < neighbours.first[e + 1]; ++k)
         ++(neighbours.parts[k] == parts[e] ? inner : q.interface_faces)[part];
       ++e;

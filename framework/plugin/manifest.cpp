@@ -9,6 +9,7 @@
 
 #include "kerf/balance_policy.hpp"
 #include "kerf/boundary.hpp"
+#include "kerf/collapsed_cell.hpp"
 #include "kerf/contact.hpp"
 #include "kerf/curve.hpp"
 #include "kerf/element.hpp"

@@ -212,12 +212,13 @@ def points(grid) -> np.ndarray:
 
 
 def cell_centres(grid) -> np.ndarray:
-    """The mean of each cell's nodes [m]. Pre: all cells have the same number of nodes."""
-    n_cells = grid.GetNumberOfCells()
-    if n_cells == 0:
+    """The mean of each cell's nodes [m]."""
+    if grid.GetNumberOfCells() == 0:
         return np.zeros((0, 3))
-    connectivity = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
-    return points(grid)[connectivity.reshape(n_cells, -1)].mean(axis=1)
+    cells = grid.GetCells()
+    offsets = vtk_to_numpy(cells.GetOffsetsArray()).astype(np.int64)
+    corners = points(grid)[vtk_to_numpy(cells.GetConnectivityArray())]
+    return np.add.reduceat(corners, offsets[:-1], axis=0) / np.diff(offsets)[:, None]
 
 
 def scalar_of(values: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@
 
 #include "contact/box_tree.hpp"
 #include "core/fixed_sum.hpp"
+#include "kerf/collapsed_cell.hpp"
 #include "mesh/quality.hpp"
 #include "mesh/shared_volume.hpp"
 #include "parallel/communicator.hpp"
@@ -60,9 +61,22 @@ Extent extent_of(const Cell& cell) {
 }
 
 Cell cell_of(const Model& model, const PartStore& store, int slot) {
-  Cell cell{&store.shape(), {}};
-  for (int k = 0; k < store.n_nodes(); ++k) cell.x[static_cast<std::size_t>(k)] = model.nodes.x(store.node(slot, k));
-  return cell;
+  ElementNodeIds nodes{};
+  CellCorners x;
+  for (int k = 0; k < store.n_nodes(); ++k) {
+    const std::int32_t node = store.node(slot, k);
+    nodes[static_cast<std::size_t>(k)] = node;
+    x[static_cast<std::size_t>(k)] = model.nodes.x(node);
+  }
+  const DistinctCell cell(store.shape(), nodes);
+  return {cell.shape, cell.of(x)};
+}
+
+/// The shape of a cell as it is sent to other ranks: all hexahedra have eight nodes, all wedges six.
+const Shape& shape_with(const Shape& whole, int n_nodes) {
+  for (const Shape* shape : {&collapsed::wedge, &collapsed::pyramid, &collapsed::tetrahedron})
+    if (whole.n_nodes == hexahedron.n_nodes && shape->n_nodes == n_nodes) return *shape;
+  return whole;
 }
 
 /// Boxes round the parts, of all ranks. Collective.
@@ -165,11 +179,14 @@ class Cubes {
 
 /// A cell near another part, as it is sent to the ranks that look at it.
 struct Suspect {
-  std::int64_t id = 0, part = 0;
+  std::int64_t id = 0, part = 0, n_corners = 0;
   CellCorners corners;
   std::array<std::int64_t, Shape::most_nodes> nodes{};  // ids, in ascending order; negative where no parts are joined
 
-  Cell cell(const Model& model) const { return {&model.parts[static_cast<std::size_t>(part)].store->shape(), corners}; }
+  Cell cell(const Model& model) const {
+    const Shape& whole = model.parts[static_cast<std::size_t>(part)].store->shape();
+    return {&shape_with(whole, static_cast<int>(n_corners)), corners};
+  }
 };
 
 /// Whether two cells have a node in common.
@@ -181,7 +198,7 @@ bool are_joined(const Suspect& a, const Suspect& b) {
   return false;
 }
 
-/// Calls `take(part, corners, slot, box)` for all cells of this rank that reach into a meeting place.
+/// Calls `take(part, cell, slot, box)` for all cells of this rank that reach into a meeting place.
 template <class Take>
 void each_near(const Model& model, const MeetingPlaces& places, const Take& take) {
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
@@ -191,22 +208,22 @@ void each_near(const Model& model, const MeetingPlaces& places, const Take& take
       if (!store.live(s)) continue;
       const Cell cell = cell_of(model, store, s);
       const Extent e = extent_of(cell);
-      if (places.meets(p, e)) take(p, cell.x, s, e);
+      if (places.meets(p, e)) take(p, cell, s, e);
     }
   }
 }
 
 /// The cells that this rank has to look at. Collective.
 std::vector<Suspect> collect_suspects(const Model& model, const MeetingPlaces& places, Cubes& cubes) {
-  each_near(model, places, [&](std::size_t part, const CellCorners&, int, const Extent& e) {
+  each_near(model, places, [&](std::size_t part, const Cell&, int, const Extent& e) {
     cubes.each(e, [&](std::size_t cube) { cubes.mark(cube, part); });
   });
   cubes.join_ranks(model.comm);
   std::vector<std::vector<Suspect>> outgoing(static_cast<std::size_t>(model.n_ranks()));
   std::vector<std::int64_t> last_sent(outgoing.size(), -1);  // a cell goes to each rank once
-  each_near(model, places, [&](std::size_t part, const CellCorners& x, int slot, const Extent& e) {
+  each_near(model, places, [&](std::size_t part, const Cell& cell, int slot, const Extent& e) {
     const PartStore& store = *model.parts[part].store;
-    Suspect suspect{store.id(slot), static_cast<std::int64_t>(part), x, {}};
+    Suspect suspect{store.id(slot), static_cast<std::int64_t>(part), cell.shape->n_nodes, cell.x, {}};
     suspect.nodes.fill(-1);
     for (int k = 0; model.has_joined_parts() && k < store.n_nodes(); ++k)
       suspect.nodes[static_cast<std::size_t>(k)] = model.nodes.id[store.node(slot, k)];

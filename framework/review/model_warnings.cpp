@@ -132,6 +132,15 @@ bool is_free_across(const Model& model, const Encounters& encounters, const Part
   return true;
 }
 
+/// Whether two faces of a cell have a node in common, as opposite ones have where the cell is collapsed.
+bool meet(const PartStore& store, int slot, int face, int other) {
+  const Shape& shape = store.shape();
+  for (const int a : shape.face[face])
+    for (const int b : shape.face[other])
+      if (store.node(slot, a) == store.node(slot, b)) return true;
+  return false;
+}
+
 double distance_across(const Model& model, const PartStore& store, int slot, int face) {
   const Shape& shape = store.shape();
   Vec3 sum;
@@ -159,7 +168,9 @@ struct SingleLayers {
         const int opposite = store.shape().opposite_face[face];
         if (opposite < face) continue;  // one of each pair
         const unsigned pair = 1u << face | 1u << opposite;
-        if ((faces & pair) != pair || !is_free_across(model, encounters, store, first.slot, face)) continue;
+        if ((faces & pair) != pair || meet(store, first.slot, face, opposite) ||
+            !is_free_across(model, encounters, store, first.slot, face))
+          continue;
         ++n_cells[index(first.part)];
         double& most = thickness[index(first.part)];
         most = std::max(most, distance_across(model, store, first.slot, face));

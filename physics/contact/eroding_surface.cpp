@@ -147,9 +147,7 @@ struct ErodingSurface final : Contact {
   static Vec3 normal_near(const ContactView& view, Vec3 s, int facet, const Touch& t, const FacetSlabs& slabs,
                           Near& near) {
     const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(facet);
-    NaturalPoint p{t.weights[1] + t.weights[2] - t.weights[0] - t.weights[3],
-                   t.weights[2] + t.weights[3] - t.weights[0] - t.weights[1], 0};
-    p.corner = p.eta > 0.0 ? (p.xi > 0.0 ? 2 : 3) : (p.xi > 0.0 ? 1 : 0);
+    const CornerPoint p = CornerPoint::of_weights(t.weights, n_corners(n) == 3);
     near.round.clear();
     const std::int32_t corner = n[p.corner];
     for (const auto& [f, least_square] : near.facets) {

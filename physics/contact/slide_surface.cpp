@@ -73,11 +73,40 @@ inline FourVectors point_of(const FourVectors (&x)[4], Four a, Four b) {
   p.gap = dot(s - point_of(x, p.xi, p.eta), p.normal);
 }
 
+/// Where a node projects on a triangle.
+struct TriangleProjection {
+  double share[3] = {};  // barycentric; negative beyond an edge
+  double gap = 0.0;  // distance along the normal, negative below the surface [m]
+  Vec3 normal;
+  bool has_area = false;
+
+  /// How far the point is beyond the edges, in natural coordinates: these go from -1 to 1 where a share goes from 0
+  /// to 1.
+  double outside() const { return 2.0 * max_of(-min_of(share[0], min_of(share[1], share[2])), 0.0); }
+};
+
+/// One piece of code for all callers, as `project`.
+[[gnu::noinline]] TriangleProjection project_on_triangle(Vec3 a, Vec3 b, Vec3 c, Vec3 node) {
+  TriangleProjection p;
+  const Vec3 twice = cross(b - a, c - a), to = node - a;
+  const double square = dot(twice, twice);
+  p.has_area = square > 0.0;
+  if (!p.has_area) return p;
+  p.normal = twice * (1.0 / std::sqrt(square));
+  p.share[1] = dot(cross(to, c - a), twice) / square;
+  p.share[2] = dot(cross(b - a, to), twice) / square;
+  p.share[0] = 1.0 - p.share[1] - p.share[2];
+  p.gap = dot(to, p.normal);
+  return p;
+}
+
 /// A segment that holds a node.
 struct Held {
   std::int32_t facet = -1;
   double xi = 0.0, eta = 0.0, gap = 0.0;
   Vec3 normal;
+  double share[3] = {};  // in place of xi and eta, where the segment is a triangle
+  bool is_triangle = false;
 
   ContactTouch touch(int node) const {
     ContactTouch t;
@@ -87,6 +116,8 @@ struct Held {
     t.weights[1] = 0.25 * (1.0 + xi) * (1.0 - eta);
     t.weights[2] = 0.25 * (1.0 + xi) * (1.0 + eta);
     t.weights[3] = 0.25 * (1.0 - xi) * (1.0 + eta);
+    if (is_triangle)
+      for (int k = 0; k < 4; ++k) t.weights[k] = k < 3 ? share[k] : 0.0;
     t.direction = normal;
     t.depth = -gap;
     return t;
@@ -212,8 +243,10 @@ struct SlideSurface final : Contact {
   static Vec3 normal_at(const ContactView& view, const FacetSlabs& slabs, const Room& room, const Held& held) {
     const std::int32_t* corner = view.facet_nodes + 4 * static_cast<std::int64_t>(held.facet);
     int k = 0;
-    while (k < 3 && view.node_id[corner[k]] != room.nearest_id) ++k;
-    return smooth_normal(view, slabs, room.round, held.facet, {held.xi, held.eta, k});
+    while (k < n_corners(corner) - 1 && view.node_id[corner[k]] != room.nearest_id) ++k;
+    const CornerPoint point =
+        held.is_triangle ? CornerPoint::of_triangle(held.share, k) : CornerPoint::of_quad(held.xi, held.eta, k);
+    return smooth_normal(view, slabs, room.round, held.facet, point);
   }
 
   /// The facet that probably has the nearest master node, with what no facet is closer than; or -1 where none can hold
@@ -281,6 +314,19 @@ struct SlideSurface final : Contact {
     }
   }
 
+  /// The bilinear coordinates of a triangle are not unique at the corner that it repeats, so it has its own. False
+  /// where it has no area.
+  static bool hold_on_triangle(const ContactView& view, Vec3 s, Held& held, double& outside) {
+    const std::int32_t* n = view.facet_nodes + 4 * static_cast<std::int64_t>(held.facet);
+    const TriangleProjection p = project_on_triangle(view.x(n[0]), view.x(n[1]), view.x(n[2]), s);
+    held.is_triangle = true;
+    std::copy_n(p.share, 3, held.share);
+    held.gap = p.gap;
+    held.normal = p.normal;
+    outside = p.outside();
+    return p.has_area;
+  }
+
   /// The segment that holds the node: one that is not too deep below before one that is, then the one that holds it
   /// best within its edges, then the one nearest to its surface, then the one of the lower id, which comes first.
   Held best_of(const ContactView& view, const std::vector<std::int32_t>& segments, Vec3 s,
@@ -301,12 +347,16 @@ struct SlideSurface final : Contact {
       project(x, s, p);
       for (int l = 0; l < 4 && first + static_cast<std::size_t>(l) < segments.size(); ++l) {
         const std::int32_t f = segment(static_cast<std::size_t>(l));
-        const double outside = max_of(max_of(std::fabs(p.xi[l]), std::fabs(p.eta[l])) - 1.0, 0.0);
-        if (p.converged[l] == 0 || outside > overlap || -p.gap[l] > FacetSlabs::sight * slabs.deepest(f)) continue;
-        const bool deep = -p.gap[l] > slabs.deepest(f);
+        Held found{f, p.xi[l], p.eta[l], p.gap[l], p.normal.at(l)};
+        double outside = max_of(max_of(std::fabs(p.xi[l]), std::fabs(p.eta[l])) - 1.0, 0.0);
+        bool is_sound = p.converged[l] != 0;
+        if (n_corners(view.facet_nodes + 4 * static_cast<std::int64_t>(f)) == 3) [[unlikely]]
+          is_sound = hold_on_triangle(view, s, found, outside);
+        if (!is_sound || outside > overlap || -found.gap > FacetSlabs::sight * slabs.deepest(f)) continue;
+        const bool deep = -found.gap > slabs.deepest(f);
         const auto rank = [](bool is_deep, double out, double gap) { return std::tuple(is_deep, out, std::fabs(gap)); };
-        if (best.facet >= 0 && !(rank(deep, outside, p.gap[l]) < rank(best_deep, best_outside, best.gap))) continue;
-        best = {f, p.xi[l], p.eta[l], p.gap[l], p.normal.at(l)};
+        if (best.facet >= 0 && !(rank(deep, outside, found.gap) < rank(best_deep, best_outside, best.gap))) continue;
+        best = found;
         best_deep = deep;
         best_outside = outside;
       }

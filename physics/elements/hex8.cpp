@@ -17,6 +17,8 @@ struct Hex8 final : SolidElement {
   const Shape& shape() const override { return hexahedron; }
   /// The volume of the mean gradient.
   double volume(const CellCorners& x) const override { return hex8::volume_of(x); }
+  /// Volume, mean gradient and hourglass modes of a collapsed cell follow from those of its corners, one by one.
+  bool takes_collapsed_cells() const override { return true; }
 
   using State = hex8::State;
   std::string hourglass;

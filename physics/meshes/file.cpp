@@ -1,6 +1,7 @@
 // The mesh of a file: of Gmsh, Abaqus or Exodus, one block for each part.
 //
-// Parts of one file share the nodes of the file. Elements and nodes keep the order of the file.
+// Parts of one file share the nodes of the file. Elements and nodes keep the order of the file. Wedges, pyramids and
+// tetrahedra are hexahedra with corners that coincide; their corners are turned to the order of CellKind.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,18 +9,12 @@
 #include <map>
 #include <memory>
 
+#include "kerf/collapsed_cell.hpp"
 #include "kerf/mesh.hpp"
 #include "kerf/plugin.hpp"
 
 namespace kerf {
 namespace {
-
-/// Corners that coincide: wedges, pyramids and tetrahedra are written as such cells.
-bool is_collapsed(const std::array<std::int32_t, 8>& cell) {
-  std::array<std::int32_t, 8> sorted = cell;
-  std::sort(sorted.begin(), sorted.end());
-  return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
-}
 
 class MeshOfFile final : public MeshGenerator {
  public:
@@ -56,9 +51,11 @@ class MeshOfFile final : public MeshGenerator {
     if (cells_->empty())
       return {fmt::format("the block \"{}\" of \"{}\" is empty; expected elements", taken->name, file)};
     for (const std::int32_t c : *cells_)
-      if (is_collapsed(mesh_->cells[static_cast<std::size_t>(c)]))
-        return {fmt::format("element {} of \"{}\" is a wedge, a pyramid or a tetrahedron; expected hexahedra",
-                            mesh_->cell_labels[static_cast<std::size_t>(c)], file)};
+      if (kind_of_cell(in_order_of_kind(mesh_->cells[static_cast<std::size_t>(c)])) == CellKind::unknown)
+        return {fmt::format(
+            "element {} of \"{}\" has corners that coincide in another way than those of a wedge, a pyramid or a "
+            "tetrahedron; expected eight different nodes, or one of these cells",
+            mesh_->cell_labels[static_cast<std::size_t>(c)], file)};
     number_nodes();
     name_faces();
     return {};
@@ -72,7 +69,7 @@ class MeshOfFile final : public MeshGenerator {
   }
   ElementNodeIds element(std::int64_t e) const override {
     ElementNodeIds ids{};
-    const auto& cell = mesh_->cells[whole_cell(e)];
+    const auto cell = in_order_of_kind(mesh_->cells[whole_cell(e)]);
     for (std::size_t k = 0; k < 8; ++k) ids[k] = number_[static_cast<std::size_t>(cell[k])];
     return ids;
   }

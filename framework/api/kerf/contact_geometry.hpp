@@ -10,6 +10,9 @@
 
 namespace kerf {
 
+/// How many corners a facet has: a triangle repeats its last one.
+inline int n_corners(const std::int32_t* facet_nodes) { return facet_nodes[2] == facet_nodes[3] ? 3 : 4; }
+
 /// The corner positions of a facet and what its penalty needs.
 struct FacetGeometry {
   Vec3 x[4];

@@ -102,7 +102,9 @@ struct ElementArrays {
   /// to the stress that is stored; null where no criterion softens. [block][6][lane]
   double* softening = nullptr;
   int n_element_state = 0, n_material_state = 0, n_eos_state = 0;
-  const std::uint8_t* exposed_faces = nullptr;  // [block][lane], at time zero; null in later cycles, and where unknown
+  /// [block][lane], at time zero; null in later cycles, and where unknown. In collapsed cells as many of the shape's
+  /// faces as make the same share.
+  const std::uint8_t* exposed_faces = nullptr;
   // results
   double energy_per_quantum = 1.0;  // [1/J]
   std::int64_t hourglass_energy = 0;  // in energy quanta
@@ -123,6 +125,10 @@ class Element : public Law {
   /// Volume of an element [m3], as the element itself will compute it: its mass follows from it. Not positive where the
   /// element is inside out.
   virtual double volume(const CellCorners& x) const { return volume_by_faces(shape(), x); }
+  /// Whether a hexahedron may have corners that coincide, as a wedge, a pyramid or a tetrahedron does, in the orders of
+  /// CellKind. A node then gets the forces and the shares of mass of all its corners. Where it is false, such cells are
+  /// an error of the input.
+  virtual bool takes_collapsed_cells() const { return false; }
   /// Integrates one step of all blocks and adds their forces.
   virtual void add_internal_forces(ElementWork& work) const = 0;
   /// Sets volume, pressure and the stable step, and adds the forces of an initial pressure. For the first cycle.

@@ -30,7 +30,8 @@ class MeshGenerator : public Plugin {
   virtual Vec3 node(std::int64_t i) const = 0;
   /// The shape of all elements.
   virtual const Shape& shape() const { return hexahedron; }
-  /// Nodes of an element in the order of its shape (positive volume).
+  /// Nodes of an element in the order of its shape (positive volume). Corners of a hexahedron may coincide in the
+  /// orders of CellKind, in kerf/collapsed_cell.hpp, where the element technology takes such cells.
   virtual ElementNodeIds element(std::int64_t e) const = 0;
   /// Names of the faces of the body ("x_min", "lateral", ...), for sets and boundary conditions.
   virtual std::vector<std::string> face_names() const = 0;

@@ -22,6 +22,7 @@ enum class ApiHeader {
   file_mesh,
   input_files,
   shape,
+  collapsed_cell,
   law,
   law_use,
   material,

@@ -151,7 +151,8 @@ class EdgeTouches {
       const std::int32_t* n = view_.facet_nodes + 4 * static_cast<std::int64_t>(f);
       int k = 0;
       while (k < 3 && n[k] != slave_) ++k;
-      ring_.push_back({f, n[(k + 1) % 4], n[(k + 3) % 4]});
+      const bool is_repeated = k == 2 && n[3] == n[2];  // the last corner of a triangle
+      ring_.push_back({f, n[(k + (is_repeated ? 2 : 1)) % 4], n[(k + 3) % 4]});
     }
     for (const Neighbours& f : ring_) {
       std::int32_t beyond = -1;  // the facet beyond the edge to the next corner
@@ -169,7 +170,7 @@ class EdgeTouches {
   bool holds(std::int32_t facet, const SharpEdge& e) const {
     const std::int32_t* n = view_.facet_nodes + 4 * static_cast<std::int64_t>(facet);
     int held = 0;
-    for (int k = 0; k < 4; ++k) held += n[k] == e.node[0] || n[k] == e.node[1] ? 1 : 0;
+    for (int k = 0; k < n_corners(n); ++k) held += n[k] == e.node[0] || n[k] == e.node[1] ? 1 : 0;
     return held == 2;
   }
 
@@ -179,7 +180,8 @@ class EdgeTouches {
                        *n = view_.facet_nodes + 4 * static_cast<std::int64_t>(g);
     for (int k = 0; k < 4; ++k)
       for (int l = 0; l < 4; ++l)
-        if (m[k] == n[(l + 1) % 4] && m[(k + 1) % 4] == n[l]) return build(f, g, m[k], m[(k + 1) % 4], e);
+        if (m[k] == n[(l + 1) % 4] && m[(k + 1) % 4] == n[l] && n[l] != m[k])
+          return build(f, g, m[k], m[(k + 1) % 4], e);
     return false;
   }
 
@@ -283,7 +285,7 @@ class EdgeTouches {
     t.second_weight = at_own;
     t.facet = other.facet[0];
     const std::int32_t* n = view_.facet_nodes + 4 * static_cast<std::int64_t>(t.facet);
-    for (int k = 0; k < 4; ++k)
+    for (int k = 0; k < n_corners(n); ++k)
       t.weights[k] = n[k] == other.node[0] ? 1.0 - at_other : n[k] == other.node[1] ? at_other : 0.0;
     t.direction = own_first ? c.out : c.out * -1.0;
     t.depth = c.depth;
