@@ -227,8 +227,8 @@ def test_partitions_have_the_ids_of_the_file(tmp_path):
     with h5py.File(tmp_path / "out" / "partitions.h5") as file:
         _, elements = labels_of_file()
         assert sorted(file["element_id"][:]) == sorted(elements)
-    done = kerf("run", "case.yaml", "--ranks", "2", "--set", "balance.partitioner={type: file, file: out/partitions.h5}",
-                "--set", "time.maximum_cycles=1", cwd=tmp_path)
+    parts = "balance.partitioner={type: file, file: out/partitions.h5}"
+    done = kerf("run", "case.yaml", "--ranks", "2", "--set", parts, "--set", "time.maximum_cycles=1", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
