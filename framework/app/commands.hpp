@@ -59,6 +59,8 @@ int convert_command(const RunOptions& options, Registry& registry);
 /// Curves of laws along the paths of a drive file. Where `only_check`, nothing is written, and what has no reference is
 /// refused.
 int drive_command(const RunOptions& options, Registry& registry, bool only_check);
+/// Blocks, sets and what was left out of the file of a mesh; written to `into`, unless it is empty.
+int mesh_command(const std::string& file, const std::string& into);
 int list_command(const Registry& registry, const std::string& kind);
 /// `names` is NAME or KIND NAME; "input" names the whole input file, "drive" a drive file.
 int describe_command(const Registry& registry, const std::vector<std::string>& names, bool markdown);

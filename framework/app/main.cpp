@@ -21,7 +21,7 @@ struct Arguments {
   RunOptions run;
   PartitionOptions partition;
   TestPluginOptions test;
-  std::string kind, name, folder, python;
+  std::string kind, name, folder, python, mesh_file;
   std::vector<std::string> names;
   bool markdown = false, only_check = false;
 };
@@ -97,6 +97,9 @@ void add_commands(CLI::App& app, Arguments& a) {
   CLI::App* drive = add_command(app, a, "drive", "take laws along paths of deformation, one element at a time");
   add_file(*drive, a, "drive file");
   drive->add_flag("--check", a.only_check, "compare with the references of the file only, and write nothing");
+  CLI::App* mesh = add_command(app, a, "mesh", "show what is in the file of a mesh, and write it in Kerf's own form");
+  mesh->add_option("FILE", a.run.input, "file of Gmsh, Abaqus, Exodus or Kerf")->required()->type_name("");
+  mesh->add_option("--into", a.mesh_file, "file to write, NAME.h5")->type_name("FILE");
   add_command(app, a, "list", "list the types that an input can name")
       ->add_option("KIND", a.kind, "only this kind, for example material; library for the sets of the material library")
       ->type_name("");
@@ -148,6 +151,7 @@ int dispatch(const std::string& command, const Arguments& a, int argc, char** ar
   if (command == "run" || command == "check" || command == "partition")
     return run_on_ranks(command, a, registry, argc, argv);
   if (command == "convert") return convert_command(a.run, registry);
+  if (command == "mesh") return mesh_command(a.run.input, a.mesh_file);
   if (command == "drive") return drive_command(a.run, registry, a.only_check);
   Diagnostics diagnostics;
   for (const std::string& path : a.run.plugins) load_plugin(path, registry, diagnostics);

@@ -87,8 +87,8 @@ class Simulation {
   /// The step that will follow.
   Step next_step() const { return clock_.plan(reduction_.least_step); }
   double first_stable_step() const { return first_stable_; }
-  /// What sets the step that will follow, and what has set the last one: "element 12 of part rod", "contact" or a key such as
-  /// "time.maximum_step".
+  /// What sets the step that will follow, and what has set the last one: "element 12 of part rod", "contact" or a key
+  /// such as "time.maximum_step".
   std::string next_step_setter() const { return setter_name(next_step().limit, reduction_.least_id); }
   std::string last_step_setter() const { return setter_name(last_limit_, last_id_); }
   /// What a user should look at before the run, as lines "origin: warning: what; what to do"; the same on all ranks.

@@ -35,7 +35,7 @@ void BytesWriter::put(Group& group, const std::string& name, const std::vector<s
   for (const std::string& text : texts) length = std::max(length, text.size());
   std::string all;
   for (const std::string& text : texts) all += text + std::string(length - text.size(), '\0');
-  Dataset& data = group.datasets[name];
+  Dataset& data = group.datasets[name] = {};
   data.type = {Kind::text, static_cast<std::uint32_t>(length)};
   data.size = {texts.size()};
   store(data, std::as_bytes(std::span(all)));
@@ -87,6 +87,7 @@ void BytesReader::check(const Dataset& data) const {
     if (size > 0 && n > bytes_.size() / size) refuse("a dataset is larger than the file");
     size *= n;
   }
+  if (size == 0 && (!data.places.empty() || !data.pieces.empty())) refuse("a dataset of no size is stored somewhere");
   if (size == 0) return;
   if (data.chunk_rows != 0 || data.places.size() != 1 || data.pieces.size() != 1)
     refuse("a dataset is not stored in one piece");

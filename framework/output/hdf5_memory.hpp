@@ -22,7 +22,7 @@ class BytesWriter {
   /// A list of values or, with `width`, a table of rows of so many.
   template <class T>
   void put(Group& group, const std::string& name, std::span<const T> values, std::size_t width = 0) {
-    Dataset& data = group.datasets[name];
+    Dataset& data = group.datasets[name] = {};
     data.type = type_of<T>();
     data.size = {width > 0 ? values.size() / width : values.size()};
     if (width > 0) data.size.push_back(width);

@@ -21,9 +21,9 @@ class MeshOfFile final : public MeshGenerator {
   std::string file, block, unit;
 
   static void describe(Schema<MeshOfFile>& s) {
-    s.text(
-        &MeshOfFile::file, "file",
-        "file of Gmsh (.msh, 2.2 or 4.1), Abaqus (.inp) or Exodus II (.exo, .e, .g), named relative to the input file");
+    s.text(&MeshOfFile::file, "file",
+           "file of Gmsh (.msh, 2.2 or 4.1), Abaqus (.inp), Exodus II (.exo, .e, .g) or Kerf (.h5), named relative to "
+           "the input file");
     s.text(&MeshOfFile::unit, "unit", "unit of length of the file, such as mm");
     s.text(&MeshOfFile::block, "block", "block of the file that is the part; not needed where the file has one only")
         .optional();

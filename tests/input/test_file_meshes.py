@@ -227,6 +227,85 @@ def test_partitions_have_the_ids_of_the_file(tmp_path):
     with h5py.File(tmp_path / "out" / "partitions.h5") as file:
         _, elements = labels_of_file()
         assert sorted(file["element_id"][:]) == sorted(elements)
-    done = kerf("run", "case.yaml", "--ranks", "2", "--set", "balance.partitioner={type: file, file: out/partitions.h5}",
-                "--set", "time.maximum_cycles=1", cwd=tmp_path)
+    parts = "balance.partitioner={type: file, file: out/partitions.h5}"
+    done = kerf("run", "case.yaml", "--ranks", "2", "--set", parts, "--set", "time.maximum_cycles=1", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+# ---- Kerf's own form
+
+def own_form(folder, name, into="mesh.h5"):
+    done = kerf("mesh", name, "--into", into, cwd=folder)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    return done.stdout
+
+
+def test_kerf_mesh_shows_and_converts(tmp_path):
+    write(tmp_path)
+    said = own_form(tmp_path, "bar_and_plate_v22.msh")
+    assert re.search(r'^format +Gmsh 2.2, text\nnodes +803\nelements +507\ndigest +[0-9a-f]{16}\n\n', said)
+    assert re.search(r'^block +"bar" +315$', said, re.M) and re.search(r'^node set +".*" +\d+$|^face set', said, re.M)
+    assert kerf("mesh", "mesh.h5", cwd=tmp_path).stdout == said.split("\nthe mesh is in")[0]
+    nodes, elements = labels_of_file()
+    with h5py.File(tmp_path / "mesh.h5") as file:  # any HDF5 library reads it
+        assert file.attrs["kerf_mesh"] == 1 and file.attrs["digest"].decode() in said
+        assert list(file["node_id"]) == list(nodes) and file["cells"].shape == (507, 8)
+        np.testing.assert_array_equal(1e-3 * file["points"][:], list(nodes.values()))
+        assert sorted(name.decode() for name in file["blocks/name"]) == ["bar", "plate 12 x 12"]
+        assert file["blocks/first"][-1] == len(file["blocks/members"]) == len(elements)
+        assert sorted(file["element_id"]) == sorted(elements)
+
+
+@pytest.mark.parametrize("words, code, message", [
+    (["absent.msh"], 2, "absent.msh: error: the file cannot be read; expected a mesh of Gmsh, Abaqus, Exodus or Kerf"),
+    (["case.yaml"], 2, "case.yaml: error: neither the name nor the first bytes tell what this is; expected a mesh"),
+    (["bar_and_plate_v22.msh", "--into", "mesh.exo"], 2, 'error: the mesh cannot be written to "mesh.exo"; expected'),
+    (["bar_and_plate_v22.msh", "--into", "no/mesh.h5"], 1, 'error: cannot create "no/mesh.h5.part"')])
+def test_kerf_mesh_tells_what_is_wrong(tmp_path, words, code, message):
+    write(tmp_path)
+    done = kerf("mesh", *words, cwd=tmp_path)
+    assert done.returncode == code and done.stderr.startswith(message), done.stderr
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_one_mesh_in_two_forms_restarts_alike(tmp_path, ranks):
+    """Begun with text, gone on with Kerf's form under another name, ended with a binary file: the bits of one run."""
+    write(tmp_path)
+    text = (tmp_path / "case.yaml").read_text()
+    own_form(tmp_path, "bar_and_plate_v22.msh")
+    alone = run(tmp_path, *on_ranks(ranks))
+    for path in (tmp_path / "results").rglob("*"):
+        if path.is_file():
+            path.unlink()
+    end = ["--set", "time.maximum_cycles={}"]
+    run(tmp_path, *on_ranks(ranks), end[0], end[1].format(7))
+    (tmp_path / "case.yaml").write_text(text.replace("bar_and_plate_v22.msh", "mesh.h5"))
+    run(tmp_path, *on_ranks(ranks), "--resume", end[0], end[1].format(14))
+    (tmp_path / "case.yaml").write_text(text.replace("bar_and_plate_v22.msh", "bar_and_plate_v41_binary.msh"))
+    assert run(tmp_path, *on_ranks(ranks), "--resume")["state_hash"] == alone["state_hash"]
+
+
+def test_another_mesh_in_the_same_file_is_refused(tmp_path):
+    write(tmp_path)
+    run(tmp_path, "--set", "time.maximum_cycles=2")
+    path = tmp_path / "bar_and_plate_v22.msh"
+    lines = path.read_text().splitlines()
+    at = lines.index("$Nodes") + 2
+    words = lines[at + 700].split()
+    lines[at + 700] = " ".join([*words[:3], repr(float(words[3]) + 1e-9)])
+    path.write_text("\n".join(lines) + "\n")
+    done = kerf("run", "case.yaml", "--resume", cwd=tmp_path)
+    assert done.returncode == 2 and "this restart file belongs to another model" in done.stderr
+
+
+def test_a_damaged_file_is_refused_with_its_name(tmp_path):
+    write(tmp_path, "mesh.h5")
+    own_form(tmp_path, "bar_and_plate_v22.msh")
+    bytes_ = bytearray((tmp_path / "mesh.h5").read_bytes())
+    bytes_[5000] ^= 4
+    (tmp_path / "mesh.h5").write_bytes(bytes_)
+    for ranks in (1, 2):
+        done = kerf("check", "case.yaml", *on_ranks(ranks), cwd=tmp_path)
+        assert done.returncode == 2
+        assert re.match(r"mesh.h5: error: the file is damaged: bytes \d+ to \d+ do not fit their checksum; expected a "
+                        r"mesh that Kerf has written\n", done.stderr), done.stderr
