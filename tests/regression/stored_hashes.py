@@ -245,6 +245,21 @@ def clamped_bar():
     }
 
 
+def mesh_file():
+    """A bar strikes a plate; both are blocks of one file."""
+    path = str(SOURCE / "tests" / "data" / "meshes" / "bar_and_plate_v22.msh")
+    mesh = {"type": "file", "file": path, "unit": "mm"}
+    return {
+        "title": "mesh of a file", "time": {"end": "2 us"},
+        "materials": {"steel": {"density": 7850, "strength": STEEL, "eos": LINEAR}},
+        "parts": {"bar": {"material": "steel", "mesh": {**mesh, "block": "bar"}, "velocity": "0 0 -200 m/s"},
+                  "plate": {"material": "steel", "mesh": {**mesh, "block": "plate 12 x 12"}}},
+        "sets": {"edge": {"parts": ["plate"], "face": "plate edge"}},
+        "boundaries": [{"type": "fixed", "nodes": ["edge"]}],
+        "contacts": [{"type": "eroding_surface"}],
+    }
+
+
 def laws():
     """Every material, equation of state and solid."""
     return impacts([law for law in laws_of(plugins()) if law[0] != "erosion"])
@@ -266,6 +281,7 @@ MODELS = {
     "initiation": initiation(),
     "vessels": vessels(),
     "clamped_bar": clamped_bar(),
+    "mesh_file": mesh_file(),
     "laws": laws(),
     "criteria": criteria(),
 }
