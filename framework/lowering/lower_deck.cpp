@@ -241,7 +241,13 @@ LoweredDeck mesh_alone(DeckMesh mesh, const LoweringOptions& options, Diagnostic
 LoweredDeck lower_deck(const std::string& path, const LoweringOptions& options, Diagnostics& diagnostics) {
   LoweredDeck result;
   const Deck deck = decks::read_deck(path, {options.case_number, options.without_unsupported}, diagnostics);
-  if (deck.sources().empty() || deck.blocks().empty()) return result;
+  result.mesh = std::make_shared<FileMesh>();
+  if (deck.sources().empty() || deck.blocks().empty()) {
+    if (!diagnostics.has_errors())
+      diagnostics.error(Origin{std::make_shared<const std::string>(path), 1, 1},
+                        "there is no keyword in the file; expected a keyword deck");
+    return result;
+  }
   decks::check_fields(deck, diagnostics);
   DeckMesh mesh = decks::read_mesh(deck, diagnostics);
   const bool is_mesh = options.mesh_is_enough && is_mesh_only(deck);
