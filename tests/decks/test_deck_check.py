@@ -43,7 +43,8 @@ def test_all_that_cannot_be_run_is_told_at_once():
     assert done.returncode == 2
     for row in rows_of(deck.with_name("expected.tsv")):
         keyword = row["keyword"].removeprefix("*")
-        found = [line for line in done.stderr.splitlines() if re.match(rf".*:{row['line']}:\d+: error: .*{keyword}", line)]
+        place = rf".*:{row['line']}:\d+: error: .*{keyword}"
+        found = [line for line in done.stderr.splitlines() if re.match(place, line)]
         assert len(found) == 1, f"line {row['line']}: {keyword}\n{done.stderr}"
     for word in ("implicit time integration", "thermal", "1 element of part 2", "1 element of part 3", "concrete",
                  "electromagnetism", "coupling of beams"):

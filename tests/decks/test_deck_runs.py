@@ -53,7 +53,8 @@ def test_one_element_is_compressed_as_a_bar(tmp_path):
 
 def test_the_taylor_bar_has_the_length_of_its_equivalent(tmp_path):
     deck = copied("02_taylor_bar/taylor.k", tmp_path)
-    measures = "{length: {type: final_length, part: bar, axis: 0 0 1}, radius: {type: largest_radius, part: bar, axis: 0 0 1}}"
+    measures = ("{length: {type: final_length, part: bar, axis: 0 0 1},"
+                " radius: {type: largest_radius, part: bar, axis: 0 0 1}}")
     found = run(deck, "--units", "kg-mm-ms", "--set", "measures=" + measures)["measures"]
     kerf("run", "equivalent.yaml", cwd=tmp_path, timeout=600)
     wanted = summary_of(tmp_path / "results" / "equivalent")["measures"]
@@ -98,7 +99,8 @@ def test_the_charge_is_lit_along_straight_lines(tmp_path):
     frame = last_frame(folder, cells=["lighting_time", "part"], points=["velocity"])
     charge = frame["part"] == 0
     # Detonation velocity 6930 m/s, lit at the origin; the place of an element is the mean of its corners.
-    assert frame["lighting_time"][charge] == pytest.approx(np.linalg.norm(centres(folder)[charge], axis=1) / 6930.0, rel=1e-6)
+    arrival = np.linalg.norm(centres(folder)[charge], axis=1) / 6930.0
+    assert frame["lighting_time"][charge] == pytest.approx(arrival, rel=1e-6)
     x = undeformed(folder)[0]
     at = (np.abs(x[:, 2] - 0.03) < 1e-3) & (np.hypot(x[:, 0], x[:, 1]) > 0.0125)
     radial = (frame["velocity"][at, :2] * x[at, :2]).sum(axis=1) / np.hypot(x[at, 0], x[at, 1])
