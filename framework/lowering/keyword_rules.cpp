@@ -38,7 +38,7 @@ const std::vector<FieldRule> contact_fields = {
     {"vdc", differs, "0", "Kerf's contact has a damping of its own"},
     {"bt", only, "0", "contact that begins later is not taken"},
     {"dt", only, "0 1e20 1e28", "contact that ends is not taken"},
-    {"sfsa sfsb", differs, "0 1", "Kerf's contact has a stiffness of its own (doc/theory/contact.md)"},
+    {"sfsa sfsb", differs, "0 1", "Kerf's contact has a stiffness of its own"},
     {"fsf fricsf", only, "0 1", "factors of friction are not taken"},
     {"tiedid", only, "0", "tied contact is not taken"},
     {"vsf sast sbst sfsat sfsbt sldthk sldstf shlthk thkopt snlog i2d3d", no_effect, "", "thickness, of shells mostly"},

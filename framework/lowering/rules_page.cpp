@@ -49,7 +49,7 @@ std::string rules_page() {
   std::string text =
       "# Keywords of decks\n\nWhat Kerf does with the keywords of a deck, and with their fields. A field that is not "
       "named here may hold its default, zero or nothing; any other value is refused. Keywords that are not named here "
-      "are refused, but for output, which is noted. [Decks](../users/decks.md) tells how decks are run.\n\n"
+      "are refused, but for output, which is noted. How decks are run is told in doc/users/decks.md.\n\n"
       "| keyword | what Kerf does | becomes |\n|---|---|---|\n";
   for (const KeywordRule& rule : keyword_rules())
     text += fmt::format("| `*{}` | {} | {} |\n", rule.keyword, fate_text(rule.fate), rule.text);
