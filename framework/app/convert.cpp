@@ -1,11 +1,9 @@
 // `kerf convert`: a keyword deck, or the mesh of another program, as an input of Kerf's own with its mesh.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <set>
+#include <stdexcept>
 
 #include "app/commands.hpp"
 #include "app/load_input.hpp"
@@ -13,6 +11,7 @@
 #include "lowering/lower_deck.hpp"
 #include "lowering/lower_mesh.hpp"
 #include "mesh/mesh_file.hpp"
+#include "output/file.hpp"
 
 namespace kerf {
 namespace {
@@ -25,42 +24,26 @@ std::string folder_of(const RunOptions& options) {
   return std::filesystem::path(options.input).replace_extension("").string() + ".kerf";
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw InputError({path + ": error: the file cannot be written"});
-}
-
 void write_case(const RunOptions& options, const Node& document, const FileMesh& mesh, const std::string& remark) {
   const std::string folder = folder_of(options);
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) throw InputError({fmt::format("{}: error: the folder cannot be made: {}", folder, failure.message())});
+  make_folder(folder);
   const std::string mesh_path = (std::filesystem::path(folder) / mesh_name).string();
   write_mesh(mesh, mesh_path);
   const std::string case_path = (std::filesystem::path(folder) / case_name).string();
-  write_text(case_path, remark + yaml_text(document));
+  replace_file(case_path, remark + yaml_text(document));
   fmt::print("{}\n{}\n", case_path, mesh_path);
-}
-
-/// The file that all parts take their meshes from.
-void name_mesh(Node& document) {
-  Entry* parts = document.find("parts");
-  if (!parts) return;
-  for (Entry& part : parts->value.entries) part.value.find("mesh")->value.find("file")->value.text = mesh_name;
 }
 
 int convert_deck(const RunOptions& options) {
   Diagnostics diagnostics;
   lowering::LoweringOptions how{options.units, options.case_number, options.without_unsupported, options.strict};
+  how.mesh_name = mesh_name;
   how.mesh_is_enough = true;
   lowering::LoweredDeck deck = lowering::lower_deck(options.input, how, diagnostics);
-  for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
+  print_warnings(diagnostics.warnings());
   diagnostics.throw_if_errors();
   for (const std::string& text : options.overrides) apply_override(deck.document, text, diagnostics);
   diagnostics.throw_if_errors();
-  name_mesh(deck.document);
   const std::string remark =
       fmt::format("# Made by `kerf convert` of {}, whose units are {}.\n{}", options.input, deck.report.units,
                   deck.document.find("time") ? "" : "# The deck is a mesh only: add time, materials and what moves.\n");
@@ -72,7 +55,7 @@ int convert_mesh(const RunOptions& options) {
   Diagnostics diagnostics;
   const std::string unit = lowering::length_of(options.units, diagnostics);
   const FileMesh mesh = read_mesh_file(options.input, diagnostics);
-  for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
+  print_warnings(diagnostics.warnings());
   diagnostics.throw_if_errors();
   Node document = lowering::document_of_mesh(mesh, mesh_name, unit);
   write_case(
@@ -90,6 +73,9 @@ int convert_command(const RunOptions& options, Registry& registry) {
   } catch (const InputError& e) {
     for (const std::string& line : e.lines()) fmt::print(stderr, "{}\n", line);
     return exit_input_error;
+  } catch (const std::runtime_error& e) {
+    fmt::print(stderr, "error: {}\n", e.what());
+    return exit_other;
   }
 }
 

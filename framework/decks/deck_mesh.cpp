@@ -39,32 +39,6 @@ std::string kind_of_other_element(const std::string& base) {
 
 }  // namespace
 
-LabelIndex::LabelIndex(const std::vector<std::int64_t>& labels) {
-  if (labels.empty()) return;
-  const auto [low, high] = std::minmax_element(labels.begin(), labels.end());
-  lowest_ = *low;
-  const auto n = static_cast<std::int64_t>(labels.size());
-  if (*high - *low < 4 * n + 1000) {
-    table_.assign(static_cast<std::size_t>(*high - *low + 1), -1);
-    for (std::int64_t k = n - 1; k >= 0; --k)
-      table_[static_cast<std::size_t>(labels[static_cast<std::size_t>(k)] - lowest_)] = static_cast<std::int32_t>(k);
-    return;
-  }
-  sorted_.reserve(labels.size());
-  for (std::size_t k = 0; k < labels.size(); ++k) sorted_.emplace_back(labels[k], static_cast<std::int32_t>(k));
-  std::sort(sorted_.begin(), sorted_.end());
-}
-
-std::int32_t LabelIndex::operator()(std::int64_t label) const {
-  if (!table_.empty()) {
-    const std::int64_t at = label - lowest_;
-    return at >= 0 && at < static_cast<std::int64_t>(table_.size()) ? table_[static_cast<std::size_t>(at)] : -1;
-  }
-  const auto found =
-      std::lower_bound(sorted_.begin(), sorted_.end(), std::make_pair(label, std::numeric_limits<std::int32_t>::min()));
-  return found != sorted_.end() && found->first == label ? found->second : -1;
-}
-
 DeckMesh MeshBuilder::build() {
   const std::vector<Block>& blocks = deck_.blocks();
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -80,7 +54,7 @@ DeckMesh MeshBuilder::build() {
   }
   declares_parts_ = !out_.parts.empty();
   check_nodes();
-  const LabelIndex node_index(out_.mesh.node_labels);
+  const LabelMap node_index(out_.mesh.node_labels);
   node_index_ = &node_index;
   for (const Block& block : blocks)
     if (block.base() == "ELEMENT_SOLID") read_solids(block);

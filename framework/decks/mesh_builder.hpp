@@ -9,22 +9,9 @@
 #include "decks/bulk_card.hpp"
 #include "decks/deck_mesh.hpp"
 #include "decks/solid_shape.hpp"
+#include "mesh/label_map.hpp"
 
 namespace kerf::decks {
-
-/// Finds the index that belongs to a label: by a table where labels lie close together, or else by a search.
-class LabelIndex {
- public:
-  /// Pre: the labels are positive.
-  explicit LabelIndex(const std::vector<std::int64_t>& labels);
-  /// The first index with this label, or -1.
-  std::int32_t operator()(std::int64_t label) const;
-
- private:
-  std::int64_t lowest_ = 0;
-  std::vector<std::int32_t> table_;
-  std::vector<std::pair<std::int64_t, std::int32_t>> sorted_;
-};
 
 /// Fills a DeckMesh. For one use.
 class MeshBuilder {
@@ -66,7 +53,7 @@ class MeshBuilder {
   std::vector<Place> node_places_;  // per node
   std::unordered_map<std::int64_t, std::int32_t> part_of_id_;
   bool declares_parts_ = false;
-  const LabelIndex* node_index_ = nullptr;
+  const LabelMap* node_index_ = nullptr;
   std::unordered_map<std::int64_t, std::size_t> node_set_of_id_, face_set_of_id_;
 };
 

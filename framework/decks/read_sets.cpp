@@ -53,7 +53,7 @@ void MeshBuilder::read_set(const Block& block) {
 
 std::int32_t MeshBuilder::node_named(const Block& block, std::int64_t written, const Place& place) {
   const std::int64_t id = deck_.transform_of(block).id(written, IdKind::node);
-  const std::int32_t node = (*node_index_)(id);
+  const std::int32_t node = node_index_->find(id);
   if (node < 0)
     errors_.error(place, "nodes of sets", fmt::format("*{} names node {}, which is not defined", block.written, id));
   return node;

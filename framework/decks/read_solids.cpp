@@ -96,7 +96,7 @@ void MeshBuilder::add_solid(const Block& block, std::int64_t label, std::int64_t
   const bool ten = ids[8] != 0;
   std::array<std::int32_t, 10> n = {};
   for (std::size_t k = 0; k < (ten ? 10u : 8u); ++k) {
-    n[k] = (*node_index_)(ids[k]);
+    n[k] = node_index_->find(ids[k]);
     if (n[k] >= 0) continue;
     return errors_.error(places[k], "nodes of solids",
                          fmt::format("element {} names node {}, which is not defined", label, ids[k]));

@@ -6,12 +6,6 @@
 namespace kerf::lowering {
 namespace {
 
-Node numbers(const std::vector<double>& values, const std::string& unit, const Origin& origin) {
-  std::string text;
-  for (const double value : values) text += (text.empty() ? "[" : ", ") + number_text(value);
-  return scalar(text + "]" + (unit.empty() ? "" : " " + unit), origin);
-}
-
 /// A function of time that OFFA shifts to later times is zero before, up to 0.999 of the shift.
 void begin_later(const Lowering& low, std::int64_t id, Lowering::Points& points) {
   const Row head = low.row(*low.defined("DEFINE_CURVE", "lcid", id, decks::IdKind::function));
@@ -63,8 +57,8 @@ std::string Lowering::curve(std::int64_t id, const Origin& where) {
   begin_later(*this, id, points);
   warn_of_end(*this, id, points);
   Node block = map_node(points.origin);
-  add(block, "times", numbers(points.x, units.text_of(time), points.origin));
-  add(block, "values", numbers(points.y, "", points.origin));
+  add(block, "times", scalar(list_text(points.x, time), points.origin));
+  add(block, "values", scalar(list_text(points.y, number), points.origin));
   Entry* all = root.find("curves");
   Node& map = all ? all->value : add(root, "curves", map_node(where));
   add(map, name, std::move(block));

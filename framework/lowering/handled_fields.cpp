@@ -128,7 +128,6 @@ class Judge {
   /// Definitions that no part with elements names.
   Fate of_unused(const Block& block) const {
     const std::string& base = block.base();
-    if (base == "MAT_ADD_EROSION") return is_used(block, "mid", IdKind::material, used_.materials);
     if (base.rfind("MAT_", 0) == 0) return is_used(block, "mid", IdKind::material, used_.materials);
     if (base.rfind("EOS_", 0) == 0) return is_used(block, "eosid", IdKind::material, used_.equations);
     if (base.rfind("SECTION_", 0) == 0) return is_used(block, "secid", IdKind::other, used_.sections);
@@ -199,21 +198,21 @@ class Judge {
       if (card.when == CardWhen::title || card.when == CardWhen::id) continue;
       for (std::size_t r = 0; r < (many ? n_groups : 1); ++r) {
         if (!low_.deck.card(block, card.number, r)) continue;
-        for (const FieldSpec& field : card.fields) check_field(block, card, field, r, rule_for(rule, field.name));
+        for (const FieldSpec& field : card.fields) check_field(block, rule, card, field, r);
       }
     }
   }
 
-  void check_field(const Block& block, const CardSpec& card, const FieldSpec& field, std::size_t repeat,
-                   const FieldRule& rule) {
+  void check_field(const Block& block, const KeywordRule& keyword, const CardSpec& card, const FieldSpec& field,
+                   std::size_t repeat) {
+    const FieldRule& rule = rule_for(keyword, field.name);
     if (rule.how == Handling::no_effect || field.name == "unused") return;
     if (rule.how == Handling::used && rule.allowed.empty()) return;
     if (field.type == FieldType::text) return;
     const decks::Field<double> value = low_.deck.real(block, card.number, field.name, repeat);
     if (!value.given || is_allowed(value.value, field, rule)) return;
     // A keyword that changes nothing but for its values is refused as a whole.
-    const KeywordRule* keyword = rule_of(block.base());
-    const bool refuses_all = keyword && keyword->fate != Fate::done;
+    const bool refuses_all = keyword.fate != Fate::done;
     const std::string what = fmt::format(
         "*{} {} = {}: {}; expected {}", block.written, upper(field.name), value.value,
         rule.text.empty() || rule.how == Handling::used ? "this value is not known" : rule.text, listed(rule.allowed));

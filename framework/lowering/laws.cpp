@@ -418,14 +418,9 @@ Node hardening_curves(Lowering& low, const std::vector<HardeningCurve>& curves, 
   for (const HardeningCurve& curve : curves) {
     Node item = map_node(where);
     if (curve.rate > 0.0) add(item, "plastic_strain_rate", scalar(low.text(curve.rate, rate), where));
-    std::string strains, stresses;
-    for (std::size_t k = 0; k < curve.strain.size(); ++k) {
-      strains += (k == 0 ? "[" : ", ") + number_text(curve.strain[k]);
-      stresses += (k == 0 ? "[" : ", ") + number_text(curve.stress[k]);
-    }
     if (curve.strain.empty()) continue;
-    add(item, "plastic_strain", scalar(strains + "]", where));
-    add(item, "yield_stress", scalar(stresses + "] " + low.units.text_of(pressure), where));
+    add(item, "plastic_strain", scalar(low.list_text(curve.strain, number), where));
+    add(item, "yield_stress", scalar(low.list_text(curve.stress, pressure), where));
     list.items.push_back(std::move(item));
   }
   return list;

@@ -4,17 +4,12 @@
 #include <algorithm>
 
 #include "lowering/lowering.hpp"
-#include "lowering/node_index.hpp"
+#include "mesh/label_map.hpp"
 
 namespace kerf::lowering {
 namespace {
 
 using decks::IdKind;
-
-Node& boundaries(Lowering& low) {
-  Entry* list = low.root.find("boundaries");
-  return list ? list->value : add(low.root, "boundaries", list_node(low.root.origin));
-}
 
 Node boundary(const char* type, const Origin& where, const std::string& nodes) {
   Node node = map_node(where);
@@ -33,7 +28,7 @@ void add_fixed(Lowering& low, const std::string& nodes, const std::string& lette
   if (nodes.empty() || letters.empty()) return;
   Node fixed = boundary("fixed", where, nodes);
   add(fixed, "components", components(letters, where));
-  boundaries(low).items.push_back(std::move(fixed));
+  low.append("boundaries", std::move(fixed));
 }
 
 std::string held(const Row& row) {
@@ -62,10 +57,10 @@ void held_nodes(Lowering& low) {
   const std::vector<Row> single = low.rows("BOUNDARY_SPC_NODE");
   std::map<std::string, Gathered> groups;
   if (!single.empty()) {
-    const NodeIndex index(low.mesh.mesh);
+    const LabelMap index(low.mesh.mesh.node_labels);
     for (const Row& row : single)
       if (const std::string letters = held(row); !letters.empty())
-        gather(groups[letters], index(row.id("nid", IdKind::node).value), row.origin("nid"));
+        gather(groups[letters], index.find(row.id("nid", IdKind::node).value), row.origin("nid"));
   }
   for (auto& [letters, group] : groups)
     add_fixed(low, low.nodes("held_" + letters, std::move(group.nodes), group.origin), letters, group.origin);
@@ -100,7 +95,7 @@ void add_motion(Lowering& low, const Row& row, const std::string& nodes) {
   if (row.value("birth", time) > 0.0) add(motion, "birth", row.quantity("birth", time));
   if (row.value("death", time) > 0.0 && row.value("death", time) < 1e19)
     add(motion, "death", row.quantity("death", time));
-  boundaries(low).items.push_back(std::move(motion));
+  low.append("boundaries", std::move(motion));
 }
 
 void motions(Lowering& low) {
@@ -108,10 +103,10 @@ void motions(Lowering& low) {
     add_motion(low, row, low.node_set(row.id("nsid", IdKind::set).value, row.origin("nsid")));
   const std::vector<Row> single = low.rows("BOUNDARY_PRESCRIBED_MOTION_NODE");
   if (single.empty()) return;
-  const NodeIndex index(low.mesh.mesh);
+  const LabelMap index(low.mesh.mesh.node_labels);
   for (const Row& row : single) {
     const std::int64_t id = row.id("nid", IdKind::node).value;
-    if (const std::int32_t node = index(id); node >= 0)
+    if (const std::int32_t node = index.find(id); node >= 0)
       add_motion(low, row, low.nodes(fmt::format("node_{}", id), {node}, row.origin("nid")));
   }
 }
@@ -150,7 +145,7 @@ void walls(Lowering& low) {
                  "*RIGIDWALL_PLANAR FRIC = 1 means that nothing slides; Kerf takes a coefficient "
                  "of friction of 1");
     if (friction > 0.0) add(wall, "friction", row.quantity("fric"));
-    boundaries(low).items.push_back(std::move(wall));
+    low.append("boundaries", std::move(wall));
   }
 }
 

@@ -72,13 +72,9 @@ class Contacts {
   std::vector<std::string> all_parts() const {
     std::vector<std::string> all;
     for (const decks::DeckPart& part : low_.mesh.parts)
-      if (const std::string name = low_.part_name(part.id); !name.empty() && has_cells(part.id)) all.push_back(name);
+      if (const std::string name = low_.part_name(part.id); !name.empty() && low_.has_cells(part.id))
+        all.push_back(name);
     return all;
-  }
-
-  bool has_cells(std::int64_t id) const {
-    return std::any_of(low_.mesh.mesh.blocks.begin(), low_.mesh.mesh.blocks.end(),
-                       [&](const MeshBlock& block) { return block.label == id && !block.cells.empty(); });
   }
 
   /// The parts whose nodes a set holds, all of them, or else the set.
@@ -87,9 +83,7 @@ class Contacts {
     std::vector<std::string> whole;
     std::size_t n = 0;
     for (const MeshBlock& block : low_.mesh.mesh.blocks) {
-      std::set<std::int32_t> of_part;
-      for (const std::int32_t cell : block.cells)
-        for (const std::int32_t node : low_.mesh.mesh.cells[static_cast<std::size_t>(cell)]) of_part.insert(node);
+      const std::vector<std::int32_t> of_part = low_.nodes_of_part(block.label);
       const bool all = nodes && std::includes(nodes->begin(), nodes->end(), of_part.begin(), of_part.end());
       if (!all || low_.part_name(block.label).empty()) continue;
       whole.push_back(low_.part_name(block.label));

@@ -99,19 +99,15 @@ class Units {
 
 // ---- parts and report ------------------------------------------------------------------------------------------
 
-bool has_cells(const DeckMesh& mesh, std::int64_t part) {
-  return std::any_of(mesh.mesh.blocks.begin(), mesh.mesh.blocks.end(),
-                     [&](const MeshBlock& block) { return block.label == part && !block.cells.empty(); });
-}
-
-UsedIds used_ids(const DeckMesh& mesh) {
+UsedIds used_ids(const Lowering& low) {
   UsedIds used;
-  for (const DeckPart& part : mesh.parts) {
+  for (const DeckPart& part : low.mesh.parts) {
     // A part of shells or beams is judged by its section, too.
-    if (!has_cells(mesh, part.id) && mesh.mesh.left_out.empty()) continue;
+    const bool has_solids = low.has_cells(part.id);
+    if (!has_solids && low.mesh.mesh.left_out.empty()) continue;
     used.sections.insert(part.section);
     used.hourglass.insert(part.hourglass);
-    if (!has_cells(mesh, part.id)) continue;
+    if (!has_solids) continue;
     used.materials.insert(part.material);
     used.equations.insert(part.eos);
   }
@@ -176,15 +172,11 @@ void drop_parts_without_material(Lowering& low) {
   Entry* parts = low.root.find("parts");
   if (!parts) return;
   std::erase_if(parts->value.entries, [](const Entry& part) { return !part.value.find("material"); });
+  std::erase_if(low.part_names, [&](const auto& part) { return !parts->value.find(part.second); });
   if (parts->value.entries.empty()) low.error(low.root.origin, "no part is left that can be run");
 }
 
-void name_mesh(Lowering& low, const std::string& name) {
-  Entry* parts = low.root.find("parts");
-  for (Entry& part : parts->value.entries) part.value.find("mesh")->value.find("file")->value.text = name;
-}
-
-void lower(Lowering& low, const std::string& mesh_name) {
+void lower(Lowering& low) {
   lower_control(low);
   lower_parts(low);
   lower_materials(low);
@@ -193,7 +185,6 @@ void lower(Lowering& low, const std::string& mesh_name) {
   lower_initial(low);
   lower_loads(low);
   lower_contacts(low);
-  name_mesh(low, mesh_name);
 }
 
 /// Whether a deck has neither an end time nor a material.
@@ -230,7 +221,7 @@ namespace {
 LoweredDeck mesh_alone(DeckMesh mesh, const LoweringOptions& options, Diagnostics& diagnostics) {
   LoweredDeck result;
   result.report.units = length_of(options.units, diagnostics);
-  result.mesh_name = "mesh.h5";
+  result.mesh_name = options.mesh_name;
   result.document = document_of_mesh(mesh.mesh, result.mesh_name, result.report.units);
   result.mesh = std::make_shared<FileMesh>(std::move(mesh.mesh));
   return result;
@@ -238,8 +229,10 @@ LoweredDeck mesh_alone(DeckMesh mesh, const LoweringOptions& options, Diagnostic
 
 }  // namespace
 
-LoweredDeck lower_deck(const std::string& path, const LoweringOptions& options, Diagnostics& diagnostics) {
+LoweredDeck lower_deck(const std::string& path, LoweringOptions options, Diagnostics& diagnostics) {
+  if (options.mesh_name.empty()) options.mesh_name = std::filesystem::path(path).filename().string();
   LoweredDeck result;
+  result.mesh_name = options.mesh_name;
   const Deck deck = decks::read_deck(path, {options.case_number, options.without_unsupported}, diagnostics);
   result.mesh = std::make_shared<FileMesh>();
   if (deck.sources().empty() || deck.blocks().empty()) {
@@ -260,14 +253,11 @@ LoweredDeck lower_deck(const std::string& path, const LoweringOptions& options, 
   result.report.units = units.name();
   Lowering low(deck, mesh, units, options, result.report, diagnostics);
   low.name_parts();
-  for (const DeckPart& part : mesh.parts)
-    if (!has_cells(mesh, part.id)) low.part_names.erase(part.id);
-  check_handled(low, used_ids(mesh));
+  check_handled(low, used_ids(low));
   report_parts(low, result.report);
   report_sets(mesh, result.report);
   check_solids(low);
-  result.mesh_name = std::filesystem::path(path).filename().string();
-  if (is_sound && !mesh.mesh.cells.empty()) lower(low, result.mesh_name);
+  if (is_sound && !mesh.mesh.cells.empty()) lower(low);
   result.document = std::move(low.root);
   result.mesh = std::make_shared<FileMesh>(std::move(mesh.mesh));
   result.mesh->node_sets = std::move(low.sets);

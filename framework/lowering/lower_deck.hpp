@@ -24,6 +24,6 @@ bool is_deck(const std::string& path, const std::string& bytes);
 
 /// Reads a deck and everything that it includes. Mistakes, and what cannot be run, go to `diagnostics`; the document is
 /// whole where it has no errors. Local.
-LoweredDeck lower_deck(const std::string& path, const LoweringOptions& options, Diagnostics& diagnostics);
+LoweredDeck lower_deck(const std::string& path, LoweringOptions options, Diagnostics& diagnostics);
 
 }  // namespace kerf::lowering

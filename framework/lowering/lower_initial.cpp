@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "lowering/lowering.hpp"
+#include "mesh/label_map.hpp"
 
 namespace kerf::lowering {
 namespace {
@@ -74,18 +76,6 @@ class InitialVelocities {
     return {};
   }
 
-  std::vector<std::int32_t> nodes_of_part(std::int64_t id) const {
-    std::vector<std::int32_t> nodes;
-    for (const MeshBlock& block : low_.mesh.mesh.blocks) {
-      if (block.label != id) continue;
-      for (const std::int32_t cell : block.cells)
-        for (const std::int32_t node : low_.mesh.mesh.cells[static_cast<std::size_t>(cell)]) nodes.push_back(node);
-    }
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    return nodes;
-  }
-
   void of_set(const Row& row) {
     const std::int64_t id = row.id("nsid", IdKind::set).value, exempt = row.id("nsidex", IdKind::set).value;
     give({row.block().base(),
@@ -108,19 +98,18 @@ class InitialVelocities {
   }
 
   void of_nodes(const Block& block) {
-    std::map<std::int64_t, std::int32_t> index;
-    for (std::size_t k = 0; k < owner_.size(); ++k) index[low_.mesh.mesh.node_labels[k]] = static_cast<std::int32_t>(k);
+    if (!index_) index_.emplace(low_.mesh.mesh.node_labels);
     std::map<std::array<double, 3>, std::size_t> groups;
     for (std::size_t r = 0; r < low_.deck.n_repeats(block); ++r) {
       const Row row = low_.row(block, r);
-      const auto node = index.find(row.id("nid", IdKind::node).value);
-      if (node == index.end()) continue;  // check_references has complained
+      const std::int32_t node = index_->find(row.id("nid", IdKind::node).value);
+      if (node < 0) continue;  // check_references has complained
       const std::array<double, 3> v = three(row, {"vx", "vy", "vz"}, velocity);
       const auto [group, is_new] = groups.emplace(v, given_.size());
       if (is_new)
         given_.push_back(
             {row.block().base(), row.origin("vx"), v, {}, {}, {}, fmt::format("moving_{}", given_.size() + 1)});
-      take_over(node->second, group->second);
+      take_over(node, group->second);
     }
   }
 
@@ -129,7 +118,7 @@ class InitialVelocities {
     const Origin where = row.origin("id");
     if (row.integer("id").value == 0) return all_nodes();
     if (kind == 3) return nodes_of_set(row.id("id", IdKind::set).value, where);
-    if (kind == 2) return nodes_of_part(row.id("id", IdKind::part).value);
+    if (kind == 2) return low_.nodes_of_part(row.id("id", IdKind::part).value);
     if (kind != 1) {
       low_.refuse(row.origin("styp"), fmt::format("STYP = {}; expected 1, 2 or 3", kind));
       return {};
@@ -138,7 +127,7 @@ class InitialVelocities {
     std::vector<std::int32_t> nodes;
     for (const decks::DeckIdSet& set : low_.mesh.part_sets)
       for (const std::int64_t part : set.id == id ? set.ids : std::vector<std::int64_t>())
-        for (const std::int32_t node : nodes_of_part(part)) nodes.push_back(node);
+        for (const std::int32_t node : low_.nodes_of_part(part)) nodes.push_back(node);
     return nodes;
   }
 
@@ -179,7 +168,7 @@ class InitialVelocities {
   /// The name of a part whose nodes these are, all of them; empty where there is none.
   std::string part_of(const std::vector<std::int32_t>& nodes) const {
     for (const auto& [id, name] : low_.part_names)
-      if (nodes_of_part(id) == nodes) return name;
+      if (low_.nodes_of_part(id) == nodes) return name;
     return {};
   }
 
@@ -201,13 +190,13 @@ class InitialVelocities {
       add(node, "angular_velocity", scalar(text(given.spin, number) + " " + unit, where));
       add(node, "point", scalar(text(given.point, length), where));
     }
-    Entry* list = low_.root.find("boundaries");
-    (list ? list->value : add(low_.root, "boundaries", list_node(low_.root.origin))).items.push_back(std::move(node));
+    low_.append("boundaries", std::move(node));
   }
 
   Lowering& low_;
   std::vector<std::int32_t> owner_;  // per node: which of given_, or -1
   std::vector<Given> given_;
+  std::optional<LabelMap> index_;  // of nodes
   bool warned_ = false;
 };
 

@@ -4,19 +4,14 @@
 #include <algorithm>
 
 #include "lowering/lowering.hpp"
-#include "lowering/node_index.hpp"
 #include "lowering/segments.hpp"
+#include "mesh/label_map.hpp"
 
 namespace kerf::lowering {
 namespace {
 
 using decks::Block;
 using decks::IdKind;
-
-Node& loads(Lowering& low) {
-  Entry* list = low.root.find("loads");
-  return list ? list->value : add(low.root, "loads", list_node(low.root.origin));
-}
 
 void add_curve(Lowering& low, const Row& row, Node& load) {
   if (row.integer("lcid").value <= 0)
@@ -39,7 +34,7 @@ void press(Lowering& low, SegmentSets& sets, const Row& row, const std::vector<S
     add(load, "facets", scalar(facets, where));
     add(load, "pressure", row.quantity("sf", pressure, sign));
     add_curve(low, row, load);
-    loads(low).items.push_back(std::move(load));
+    low.append("loads", std::move(load));
   }
 }
 
@@ -71,7 +66,7 @@ void add_force(Lowering& low, const Row& row, const std::string& nodes) {
   values[static_cast<std::size_t>(dof - 1)] = row.value("sf", force);
   add(load, "force", scalar(low.texts(values, force), row.origin("sf")));
   add_curve(low, row, load);
-  loads(low).items.push_back(std::move(load));
+  low.append("loads", std::move(load));
 }
 
 void forces(Lowering& low) {
@@ -79,10 +74,10 @@ void forces(Lowering& low) {
     add_force(low, row, low.node_set(row.id("nsid", IdKind::set).value, row.origin("nsid")));
   const std::vector<Row> single = low.rows("LOAD_NODE_POINT");
   if (single.empty()) return;
-  const NodeIndex index(low.mesh.mesh);
+  const LabelMap index(low.mesh.mesh.node_labels);
   for (const Row& row : single) {
     const std::int64_t id = row.id("nid", IdKind::node).value;
-    if (const std::int32_t node = index(id); node >= 0)
+    if (const std::int32_t node = index.find(id); node >= 0)
       add_force(low, row, low.nodes(fmt::format("node_{}", id), {node}, row.origin("nid")));
   }
 }
@@ -99,7 +94,7 @@ void accelerations(Lowering& low) {
       values[static_cast<std::size_t>(axis)] = -row.value("sf", acceleration);
       add(load, "acceleration", scalar(low.texts(values, acceleration), where));
       add_curve(low, row, load);
-      loads(low).items.push_back(std::move(load));
+      low.append("loads", std::move(load));
     }
 }
 
@@ -118,7 +113,7 @@ void damping(Lowering& low) {
     }
     const double x = row.value("stx"), y = row.value("sty"), z = row.value("stz");
     if (x != 0.0 || y != 0.0 || z != 0.0) add(load, "factors", scalar(low.texts({x, y, z}, number), row.origin("stx")));
-    loads(low).items.push_back(std::move(load));
+    low.append("loads", std::move(load));
   }
 }
 

@@ -1,9 +1,6 @@
 // Materials of a deck: a law of strength, an equation of state and erosion for each pair that parts name.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <functional>
-
 #include "lowering/lowering.hpp"
 #include "lowering/material_parts.hpp"
 
@@ -76,30 +73,21 @@ class Materials {
  private:
   std::string material_of(const DeckPart& part, Node& all) {
     const Block* material = low_.defined("MAT_", "mid", part.material, IdKind::material);
-    if (!material) {
-      refuse_unknown(part);
-      return {};
-    }
+    if (!material) return {};  // refused by its keyword
     const Block* eos = part.eos == 0 ? nullptr : low_.defined("EOS_", "eosid", part.eos, IdKind::material);
     const bool burns = material->base() == "MAT_HIGH_EXPLOSIVE_BURN";
     const std::string key = fmt::format("{}:{}:{}", part.material, part.eos, burns ? part.id : 0);
     if (const auto known = names_.find(key); known != names_.end()) return known->second;
     Material made = lowered(*material, eos, part);
     if (made.node.entries.empty()) return {};
-    const std::string name = free_name(*material, part, burns);
+    const std::string name = free_name(part, burns);
     names_[key] = name;
     add(all, name, std::move(made.node));
     return name;
   }
 
-  void refuse_unknown(const DeckPart& part) {
-    // check_references has complained of materials that are not defined at all, the fields of those that have no law.
-    low_.part_names.erase(part.id);
-  }
-
-  std::string free_name(const Block& material, const DeckPart& part, bool burns) {
+  std::string free_name(const DeckPart& part, bool burns) {
     std::string name = fmt::format("mat_{}", part.material);
-    if (low_.row(material).block().base().empty()) return name;
     if (part.eos != 0 && used_materials_.count(part.material) > 0) name += fmt::format("_eos_{}", part.eos);
     if (burns) name += fmt::format("_part_{}", part.id);
     used_materials_.insert(part.material);

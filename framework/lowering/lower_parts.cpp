@@ -59,7 +59,7 @@ class Parts {
       Node node = map_node(here);
       Node mesh = map_node(here);
       add(mesh, "type", scalar("file", here));
-      add(mesh, "file", scalar("", here));  // lower_deck knows how the mesh is called
+      add(mesh, "file", scalar(low_.options.mesh_name, here));
       add(mesh, "unit", scalar(low_.units.length_name(), here));
       block->name = name;
       add(mesh, "block", scalar(name, here));

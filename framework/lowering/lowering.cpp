@@ -44,12 +44,6 @@ std::string number_text(double value) { return fmt::format("{}", value); }
 
 namespace {
 
-double power(double base, int exponent) {
-  double product = 1.0;
-  for (int k = 0; k < std::abs(exponent); ++k) product *= base;
-  return exponent < 0 ? 1.0 / product : product;
-}
-
 std::string with_unit(const std::string& numbers, const std::string& unit) {
   return unit.empty() ? numbers : numbers + " " + unit;
 }
@@ -67,7 +61,7 @@ int Row::card_of(std::string_view field) const {
 Field<double> Row::real(std::string_view field, Dimension d) const {
   Field<double> found = lowering_->deck.real(*block_, card_of(field), field, repeat_);
   const decks::Transform& t = lowering_->deck.transform_of(*block_);
-  if (found.given) found.value *= power(t.mass, d.mass) * power(t.length, d.length) * power(t.time, d.time);
+  if (found.given) found.value *= product_of(d, t.mass, t.length, t.time);
   return found;
 }
 
@@ -165,6 +159,11 @@ bool Lowering::stands_still(const Row& row, const char* what) {
   return false;
 }
 
+void Lowering::append(const char* list, Node item) {
+  Entry* found = root.find(list);
+  (found ? found->value : add(root, list, list_node(root.origin))).items.push_back(std::move(item));
+}
+
 std::string Lowering::text(double value, Dimension dimension) const {
   return with_unit(number_text(value), units.text_of(dimension));
 }
@@ -173,6 +172,12 @@ std::string Lowering::texts(const std::vector<double>& values, Dimension dimensi
   std::string numbers;
   for (const double value : values) numbers += (numbers.empty() ? "" : " ") + number_text(value);
   return with_unit(numbers, units.text_of(dimension));
+}
+
+std::string Lowering::list_text(const std::vector<double>& values, Dimension dimension) const {
+  std::string numbers;
+  for (const double value : values) numbers += (numbers.empty() ? "[" : ", ") + number_text(value);
+  return with_unit(numbers + "]", units.text_of(dimension));
 }
 
 }  // namespace kerf::lowering

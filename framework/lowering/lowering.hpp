@@ -24,6 +24,7 @@ struct LoweringOptions {
   int case_number = 0;
   bool without_unsupported = false;  // leave out what Kerf does not do
   bool strict = false;  // refuse what Kerf does in another way
+  std::string mesh_name;  // what the document calls the file of the mesh; empty for the name of the deck
   bool mesh_is_enough = false;  // a deck without an end time and materials is a mesh, and becomes one
 };
 
@@ -104,6 +105,10 @@ class Lowering {
   /// "9.81 mm/ms2".
   std::string text(double value, Dimension dimension) const;
   std::string texts(const std::vector<double>& values, Dimension dimension) const;
+  /// "[0, 1.5] ms".
+  std::string list_text(const std::vector<double>& values, Dimension dimension) const;
+  /// Adds an item to a list of the document, which is made where it is not there.
+  void append(const char* list, Node item);
 
   // names.cpp: how the document calls parts and sets
   /// Empty for a part that is not in the document.
@@ -113,7 +118,11 @@ class Lowering {
   std::string node_set(std::int64_t id, const Origin& where);
   /// A set of the document of certain nodes; `name` is what it is called where that is free.
   std::string nodes(const std::string& name, std::vector<std::int32_t> nodes, const Origin& where);
+  /// Names the parts that have solids.
   void name_parts();
+  /// Nodes of the solids of a part, ascending.
+  std::vector<std::int32_t> nodes_of_part(std::int64_t id) const;
+  bool has_cells(std::int64_t part) const;
   /// Nodes of a node set of the deck; null where there is none.
   const std::vector<std::int32_t>* nodes_of_set(std::int64_t id) const;
 

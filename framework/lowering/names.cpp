@@ -34,7 +34,9 @@ void Lowering::name_parts() {
   for (const decks::DeckPart& part : mesh.parts) {
     const std::string word = word_of(part.title);
     const bool alone = !word.empty() && !is_number(word) && uses[word] == 1;
-    part_names[part.id] = alone ? word : fmt::format("{}_{}", word.empty() || is_number(word) ? "part" : word, part.id);
+    if (has_cells(part.id))
+      part_names[part.id] =
+          alone ? word : fmt::format("{}_{}", word.empty() || is_number(word) ? "part" : word, part.id);
   }
 }
 
@@ -54,6 +56,23 @@ std::vector<std::string> Lowering::parts_of_set(std::int64_t set, const Origin& 
   for (const std::int64_t id : found->ids)
     if (const std::string name = part_name(id); !name.empty()) names.push_back(name);
   return names;
+}
+
+bool Lowering::has_cells(std::int64_t part) const {
+  return std::any_of(mesh.mesh.blocks.begin(), mesh.mesh.blocks.end(),
+                     [&](const MeshBlock& block) { return block.label == part && !block.cells.empty(); });
+}
+
+std::vector<std::int32_t> Lowering::nodes_of_part(std::int64_t id) const {
+  std::vector<std::int32_t> nodes;
+  for (const MeshBlock& block : mesh.mesh.blocks) {
+    if (block.label != id) continue;
+    for (const std::int32_t cell : block.cells)
+      for (const std::int32_t node : mesh.mesh.cells[static_cast<std::size_t>(cell)]) nodes.push_back(node);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
 }
 
 const std::vector<std::int32_t>* Lowering::nodes_of_set(std::int64_t id) const {

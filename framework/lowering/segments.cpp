@@ -39,7 +39,7 @@ bool same_way(const std::array<std::int32_t, 4>& a, const std::array<std::int32_
 }  // namespace
 
 SegmentSets::SegmentSets(Lowering& low)
-    : low_(low), facets_of_node_(low.mesh.mesh.points.size()), index_(low.mesh.mesh) {
+    : low_(low), facets_of_node_(low.mesh.mesh.points.size()), index_(low.mesh.mesh.node_labels) {
   find_exterior();
 }
 
@@ -79,7 +79,7 @@ Segment SegmentSets::segment(const std::array<std::int64_t, 4>& ids, const Origi
   std::array<std::int32_t, 4> nodes{};
   for (std::size_t k = 0; k < 4; ++k) {
     const std::int64_t id = k == 3 && ids[3] == 0 ? ids[2] : ids[k];
-    nodes[k] = index_(id);
+    nodes[k] = index_.find(id);
     if (nodes[k] < 0) {
       low_.error(where, fmt::format("a segment names node {}, which is not defined", id));
       return {};

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lowering/lowering.hpp"
-#include "lowering/node_index.hpp"
+#include "mesh/label_map.hpp"
 
 namespace kerf::lowering {
 
@@ -42,7 +42,7 @@ class SegmentSets {
   Lowering& low_;
   std::vector<Facet> exterior_;  // by key
   std::vector<std::vector<std::int32_t>> facets_of_node_;
-  NodeIndex index_;
+  LabelMap index_;
 };
 
 }  // namespace kerf::lowering

@@ -96,9 +96,11 @@ UnitSystem system_of(const char* mass, const char* length, const char* time) {
 UnitSystem::UnitSystem(BaseUnit mass, BaseUnit length, BaseUnit time)
     : mass_(std::move(mass)), length_(std::move(length)), time_(std::move(time)) {}
 
-double UnitSystem::in_si(Dimension d) const {
-  return power(mass_.in_si, d.mass) * power(length_.in_si, d.length) * power(time_.in_si, d.time);
+double product_of(Dimension d, double mass, double length, double time) {
+  return power(mass, d.mass) * power(length, d.length) * power(time, d.time);
 }
+
+double UnitSystem::in_si(Dimension d) const { return product_of(d, mass_.in_si, length_.in_si, time_.in_si); }
 
 std::string UnitSystem::text_of(Dimension d) const {
   if (d == number) return {};

@@ -17,6 +17,9 @@ inline constexpr Dimension number{}, length{0, 1, 0}, time{0, 0, 1}, rate{0, 0, 
     acceleration{0, 1, -2}, density{1, -3, 0}, pressure{1, -1, -2}, viscosity{1, -1, -1}, force{1, 1, -2},
     temperature{0, 0, 0, 1}, specific_heat{0, 2, -2, -1};
 
+/// mass^m length^l time^t, with the exponents of a dimension.
+double product_of(Dimension dimension, double mass, double length, double time);
+
 /// One unit of each kind; `name` is what Kerf's input calls it.
 struct BaseUnit {
   std::string name;

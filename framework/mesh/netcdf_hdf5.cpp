@@ -4,25 +4,12 @@
 #include <utility>
 
 #include "mesh/netcdf.hpp"
+#include "output/hdf5_handle.hpp"
 
 namespace kerf {
 namespace {
 
-/// An open thing of HDF5 and the function that closes it.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
+using hdf5::Handle;
 
 /// HDF5 prints its errors unless it is told not to.
 class Silence {

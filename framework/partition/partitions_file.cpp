@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "output/file.hpp"
-#include "partition/hdf5_handle.hpp"
+#include "output/hdf5_handle.hpp"
 
 namespace kerf {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/diagnostics.hpp"
-#include "partition/hdf5_handle.hpp"
+#include "output/hdf5_handle.hpp"
 
 namespace kerf {
 

@@ -80,7 +80,7 @@ std::vector<std::string> errors_of_model(const std::string& path, const Registry
   OriginMap origins;
   try {
     lowering::LoweredDeck deck =
-        lowering::lower_deck(path, {"kg,mm,ms", 0, seed % 3 == 0, seed % 5 == 0, false}, diagnostics);
+        lowering::lower_deck(path, {"kg,mm,ms", 0, seed % 3 == 0, seed % 5 == 0, {}, false}, diagnostics);
     if (diagnostics.has_errors()) return diagnostics.errors();
     MeshCache meshes;
     meshes.add((fs::path(path).parent_path() / deck.mesh_name).lexically_normal().string(), deck.mesh);

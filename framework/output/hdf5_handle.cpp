@@ -1,5 +1,5 @@
 // Attributes of a single value.
-#include "partition/hdf5_handle.hpp"
+#include "output/hdf5_handle.hpp"
 
 namespace kerf::hdf5 {
 
