@@ -53,7 +53,7 @@ int check_command(const RunOptions& options, Registry& registry);
 int partition_command(const PartitionOptions& options, Registry& registry);
 
 /// Writes a deck, or the mesh of a file, as case.yaml and mesh.h5 into a folder. Needs no MPI.
-int convert_command(const RunOptions& options, Registry& registry);
+int convert_command(const RunOptions& options);
 
 // These need no MPI.
 /// Curves of laws along the paths of a drive file. Where `only_check`, nothing is written, and what has no reference is

@@ -51,10 +51,10 @@ int convert_deck(const RunOptions& options) {
   return exit_done;
 }
 
-int convert_mesh(const RunOptions& options) {
+int convert_mesh(const RunOptions& options, const std::string& bytes) {
   Diagnostics diagnostics;
   const std::string unit = lowering::length_of(options.units, diagnostics);
-  const FileMesh mesh = read_mesh_file(options.input, diagnostics);
+  const FileMesh mesh = read_mesh({bytes, options.input}, diagnostics);
   print_warnings(diagnostics.warnings());
   diagnostics.throw_if_errors();
   Node document = lowering::document_of_mesh(mesh, mesh_name, unit);
@@ -66,10 +66,10 @@ int convert_mesh(const RunOptions& options) {
 
 }  // namespace
 
-int convert_command(const RunOptions& options, Registry& registry) {
+int convert_command(const RunOptions& options) {
   try {
-    const std::string bytes = read_with_plugins(options, registry);
-    return lowering::is_deck(options.input, bytes) ? convert_deck(options) : convert_mesh(options);
+    const std::string bytes = read_input_file(options.input);
+    return lowering::is_deck(options.input, bytes) ? convert_deck(options) : convert_mesh(options, bytes);
   } catch (const InputError& e) {
     for (const std::string& line : e.lines()) fmt::print(stderr, "{}\n", line);
     return exit_input_error;

@@ -168,10 +168,14 @@ std::vector<std::string> library_of_root(MPI_Comm comm) {
 
 }  // namespace
 
-std::string read_with_plugins(const RunOptions& options, Registry& registry) {
-  std::string failure;
-  const std::string bytes = read_file(options.input, failure);
+std::string read_input_file(const std::string& path) {
+  std::string failure, bytes = read_file(path, failure);
   if (!failure.empty()) throw InputError({failure});
+  return bytes;
+}
+
+std::string read_with_plugins(const RunOptions& options, Registry& registry) {
+  const std::string bytes = read_input_file(options.input);
   load_plugins(wanted_plugins(options, bytes), registry);
   return bytes;
 }
@@ -196,15 +200,18 @@ std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options,
   if (rank_of(comm) == 0) bytes = read_file(options.input, failure);
   failure = broadcast(comm, failure);
   if (!failure.empty()) throw InputError({failure});
-  bytes = broadcast(comm, bytes);
-  load_plugins(comm, wanted_plugins(options, bytes), registry);
+  // Rank 0 alone reads a deck: the others get what it becomes.
+  const bool is_deck = rank_of(comm) == 0 && lowering::is_deck(options.input, bytes);
+  const std::string text = broadcast(comm, is_deck ? std::string() : bytes);
+  load_plugins(comm, wanted_plugins(options, text), registry);
   const auto read_on_root = [comm](const std::string& path, std::string& trouble) {
     std::string text;
     if (rank_of(comm) == 0) text = read_text_file(path, trouble);
     trouble = broadcast(comm, trouble);
     return broadcast(comm, text);
   };
-  auto input = parse(source_of_root(comm, bytes, options), options, registry, read_on_root, library_of_root(comm));
+  auto input = parse(source_of_root(comm, is_deck ? std::move(bytes) : text, options), options, registry, read_on_root,
+                     library_of_root(comm));
   check_enough_elements(*input, options.input, size_of(comm));
   check_memory(comm, *input, options.input);
   return input;

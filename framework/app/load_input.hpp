@@ -15,6 +15,9 @@ namespace kerf {
 /// Warnings are printed by rank 0. Collective.
 std::unique_ptr<ModelInput> load_input(MPI_Comm comm, const RunOptions& options, Registry& registry);
 
+/// The bytes of the input file. Throws InputError where it cannot be read. Without MPI.
+std::string read_input_file(const std::string& path);
+
 /// The text of the input file; the plugins that it names are loaded. Throws InputError. Without MPI.
 std::string read_with_plugins(const RunOptions& options, Registry& registry);
 

@@ -150,7 +150,7 @@ int dispatch(const std::string& command, const Arguments& a, int argc, char** ar
   register_builtin_plugins(registry);
   if (command == "run" || command == "check" || command == "partition")
     return run_on_ranks(command, a, registry, argc, argv);
-  if (command == "convert") return convert_command(a.run, registry);
+  if (command == "convert") return convert_command(a.run);
   if (command == "mesh") return mesh_command(a.run.input, a.mesh_file);
   if (command == "drive") return drive_command(a.run, registry, a.only_check);
   Diagnostics diagnostics;

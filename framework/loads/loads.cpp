@@ -136,7 +136,7 @@ void Loads::add_facet_forces(const Model& model, double time) {
   }
 }
 
-void Loads::add_node_forces(const Model& model, const OnNodes& on, double time) {
+void Loads::add_node_forces(const Model& model, const OnNodes& on, const Step& step) {
   const NodeStore& nodes = model.nodes;
   asked_ = on.load;
   const ForceActor actor = actor_of(*on.load);
@@ -144,10 +144,10 @@ void Loads::add_node_forces(const Model& model, const OnNodes& on, double time) 
     const std::int32_t i = on.nodes[k];
     // A point mass is nobody's material; a dropped node is nothing.
     if (!(nodes.mass[i] > 0.0) || (on.nodal != nullptr && nodes.free[i] != 0)) continue;
-    const LoadedNode node{nodes.id[i], nodes.mass[i], nodes.x(i), nodes.v(i),
-                          on.reference.empty() ? Vec3{} : on.reference[k]};
+    const LoadedNode node{
+        nodes.id[i], nodes.mass[i], nodes.x(i), nodes.v(i), on.reference.empty() ? Vec3{} : on.reference[k], step.dt};
     const Vec3 newton =
-        on.nodal != nullptr ? on.nodal->force(node, time) : on.body->acceleration(node, time) * node.mass;
+        on.nodal != nullptr ? on.nodal->force(node, step.end()) : on.body->acceleration(node, step.end()) * node.mass;
     add(model, i, newton, actor);
   }
 }
@@ -170,7 +170,7 @@ void Loads::add_forces(Model& model, const Step& step) {
   // are computed on all ranks that have a copy.
   if (!marks_.laws().empty() || has_source()) sum_over_copies(model, force_.data(), 4);
   try {
-    for (const OnNodes& on : on_nodes_) add_node_forces(model, on, time);
+    for (const OnNodes& on : on_nodes_) add_node_forces(model, on, step);
   } catch (const std::exception& e) {
     note_failure(e.what());
   }

@@ -61,7 +61,7 @@ class Loads {
   void find_facets(const Model& model);
   LoadedFacet seen(const Model& model, const OnFacet& on, const std::array<Vec3, 4>& shares) const;
   void add_facet_forces(const Model& model, double time);
-  void add_node_forces(const Model& model, const OnNodes& on, double time);
+  void add_node_forces(const Model& model, const OnNodes& on, const Step& step);
   void add(const Model& model, std::int32_t node, Vec3 newton, const ForceActor& actor);
   void note_failure(const char* what);
   void hand_over(Model& model);

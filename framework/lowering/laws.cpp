@@ -323,30 +323,39 @@ void mooney_rivlin(Lowering& low, const Row& row, Material& made) {
              "at small strains; the deck's own function of the volume is another at large ones");
 }
 
-/// Adds a field under a key where its value is not zero.
-void add_if(Node& law, const Row& row, const char* key, const char* field, Dimension dimension = number) {
-  if (row.value(field) != 0.0) add(law, key, row.quantity(field, dimension));
+/// A key of the law and the field that it is taken from.
+struct Taken {
+  const char *key, *field;
+  Dimension dimension;
+  bool zero_is_absent = false;
+};
+
+void add_all(Node& law, const Row& row, std::initializer_list<Taken> all) {
+  for (const Taken& taken : all)
+    if (!taken.zero_is_absent || row.value(taken.field) != 0.0)
+      add(law, taken.key, row.quantity(taken.field, taken.dimension));
 }
 
 void ceramics(Lowering& low, const Row& row, Material& made) {
   Node law = typed("johnson_holmquist_2", row.origin());
-  add(law, "shear_modulus", row.quantity("g", pressure));
-  add(law, "A", row.quantity("a"));
-  add(law, "N", row.quantity("n"));
-  add(law, "B", row.quantity("b"));
-  add(law, "M", row.quantity("m"));
-  add(law, "C", row.quantity("c"));
-  add_if(law, row, "reference_rate", "epsi", rate);
-  add_if(law, row, "most_fractured_strength", "sfmax");
-  add(law, "tensile_strength", row.quantity("t", pressure));
-  add(law, "hugoniot_elastic_limit", row.quantity("hel", pressure));
-  add(law, "hugoniot_elastic_pressure", row.quantity("phel", pressure));
-  add(law, "D1", row.quantity("d1"));
-  add(law, "D2", row.quantity("d2"));
-  add(law, "K1", row.quantity("k1", pressure));
-  add(law, "K2", row.quantity("k2", pressure));
-  add(law, "K3", row.quantity("k3", pressure));
-  add(law, "bulking_share", row.quantity("beta"));
+  add_all(law, row,
+          {{"shear_modulus", "g", pressure},
+           {"A", "a", number},
+           {"N", "n", number},
+           {"B", "b", number},
+           {"M", "m", number},
+           {"C", "c", number},
+           {"reference_rate", "epsi", rate, true},
+           {"most_fractured_strength", "sfmax", number, true},
+           {"tensile_strength", "t", pressure},
+           {"hugoniot_elastic_limit", "hel", pressure},
+           {"hugoniot_elastic_pressure", "phel", pressure},
+           {"D1", "d1", number},
+           {"D2", "d2", number},
+           {"K1", "k1", pressure},
+           {"K2", "k2", pressure},
+           {"K3", "k3", pressure},
+           {"bulking_share", "beta", number}});
   add(made.node, "solid", std::move(law));
   if (row.value("fs") > 0.0) made.criteria.push_back(plastic_strain_limit(row, "fs"));
   if (row.value("fs") < 0.0) {
@@ -359,25 +368,26 @@ void ceramics(Lowering& low, const Row& row, Material& made) {
 
 void concrete(Lowering& low, const Row& row, Material& made) {
   Node law = typed("holmquist_johnson_cook", row.origin());
-  add(law, "shear_modulus", row.quantity("g", pressure));
-  add(law, "compressive_strength", row.quantity("fc", pressure));
-  add(law, "A", row.quantity("a"));
-  add(law, "B", row.quantity("b"));
-  add(law, "N", row.quantity("n"));
-  add(law, "C", row.quantity("c"));
-  add_if(law, row, "reference_rate", "eps0", rate);
-  add_if(law, row, "most_strength", "sfmax");
-  add(law, "tensile_strength", row.quantity("t", pressure));
-  add(law, "crush_pressure", row.quantity("pc", pressure));
-  add(law, "crush_mu", row.quantity("uc"));
-  add(law, "lock_pressure", row.quantity("pl", pressure));
-  add(law, "lock_mu", row.quantity("ul"));
-  add(law, "K1", row.quantity("k1", pressure));
-  add(law, "K2", row.quantity("k2", pressure));
-  add(law, "K3", row.quantity("k3", pressure));
-  add(law, "D1", row.quantity("d1"));
-  add(law, "D2", row.quantity("d2"));
-  add(law, "least_failure_strain", row.quantity("efmin"));
+  add_all(law, row,
+          {{"shear_modulus", "g", pressure},
+           {"compressive_strength", "fc", pressure},
+           {"A", "a", number},
+           {"B", "b", number},
+           {"N", "n", number},
+           {"C", "c", number},
+           {"reference_rate", "eps0", rate, true},
+           {"most_strength", "sfmax", number, true},
+           {"tensile_strength", "t", pressure},
+           {"crush_pressure", "pc", pressure},
+           {"crush_mu", "uc", number},
+           {"lock_pressure", "pl", pressure},
+           {"lock_mu", "ul", number},
+           {"K1", "k1", pressure},
+           {"K2", "k2", pressure},
+           {"K3", "k3", pressure},
+           {"D1", "d1", number},
+           {"D2", "d2", number},
+           {"least_failure_strain", "efmin", number}});
   add(made.node, "solid", std::move(law));
   const double fs = row.value("fs");
   if (fs > 0.0) return made.criteria.push_back(plastic_strain_limit(row, "fs"));

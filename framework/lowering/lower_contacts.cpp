@@ -81,15 +81,17 @@ class Contacts {
   std::vector<std::string> parts_or_set(std::int64_t id, const Origin& where) {
     const std::vector<std::int32_t>* nodes = low_.nodes_of_set(id);
     std::vector<std::string> whole;
-    std::size_t n = 0;
+    std::vector<std::int32_t> covered;  // parts may share nodes
     for (const MeshBlock& block : low_.mesh.mesh.blocks) {
-      const std::vector<std::int32_t> of_part = low_.nodes_of_part(block.label);
+      const std::vector<std::int32_t>& of_part = low_.nodes_of_part(block.label);
       const bool all = nodes && std::includes(nodes->begin(), nodes->end(), of_part.begin(), of_part.end());
       if (!all || low_.part_name(block.label).empty()) continue;
       whole.push_back(low_.part_name(block.label));
-      n += of_part.size();
+      covered.insert(covered.end(), of_part.begin(), of_part.end());
     }
-    if (nodes && !whole.empty() && n >= nodes->size()) return whole;
+    std::sort(covered.begin(), covered.end());
+    covered.erase(std::unique(covered.begin(), covered.end()), covered.end());
+    if (nodes && !whole.empty() && covered == *nodes) return whole;
     const std::string set = low_.node_set(id, where);
     return set.empty() ? std::vector<std::string>() : std::vector<std::string>{set};
   }

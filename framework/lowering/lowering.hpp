@@ -121,7 +121,7 @@ class Lowering {
   /// Names the parts that have solids.
   void name_parts();
   /// Nodes of the solids of a part, ascending.
-  std::vector<std::int32_t> nodes_of_part(std::int64_t id) const;
+  const std::vector<std::int32_t>& nodes_of_part(std::int64_t id);
   bool has_cells(std::int64_t part) const;
   /// Nodes of a node set of the deck; null where there is none.
   const std::vector<std::int32_t>* nodes_of_set(std::int64_t id) const;
@@ -142,6 +142,7 @@ class Lowering {
  private:
   Diagnostics& diagnostics_;
   std::map<std::int64_t, std::string> node_set_names_;
+  std::map<std::int64_t, std::vector<std::int32_t>> nodes_of_parts_;  // found when they are first asked for
   std::set<std::string> set_names_;
   std::set<std::int64_t> curves_;
 };

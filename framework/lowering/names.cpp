@@ -63,8 +63,10 @@ bool Lowering::has_cells(std::int64_t part) const {
                      [&](const MeshBlock& block) { return block.label == part && !block.cells.empty(); });
 }
 
-std::vector<std::int32_t> Lowering::nodes_of_part(std::int64_t id) const {
-  std::vector<std::int32_t> nodes;
+const std::vector<std::int32_t>& Lowering::nodes_of_part(std::int64_t id) {
+  const auto [known, is_new] = nodes_of_parts_.try_emplace(id);
+  std::vector<std::int32_t>& nodes = known->second;
+  if (!is_new) return nodes;
   for (const MeshBlock& block : mesh.mesh.blocks) {
     if (block.label != id) continue;
     for (const std::int32_t cell : block.cells)

@@ -113,6 +113,9 @@ Integers ExodusReader::ids(const char* variable) {
   return values;
 }
 
+/// A letter that no name has: what follows it is left over from other data of the program that wrote the file.
+bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
+
 std::vector<std::string> ExodusReader::names(const char* variable, const Integers& ids) {
   std::vector<std::string> out;
   for (const std::int64_t id : ids) out.push_back(std::to_string(id));
@@ -123,7 +126,7 @@ std::vector<std::string> ExodusReader::names(const char* variable, const Integer
   const auto width = static_cast<std::size_t>(shape[1]);
   for (std::size_t i = 0; i < out.size() && (i + 1) * width <= letters.size(); ++i) {
     std::string name = letters.substr(i * width, width);
-    name.resize(std::min(name.find('\0'), name.size()));
+    name.resize(static_cast<std::size_t>(std::find_if(name.begin(), name.end(), is_control) - name.begin()));
     while (name.ends_with(' ')) name.pop_back();
     if (!name.empty()) out[i] = name;
   }

@@ -32,8 +32,11 @@ struct MassDamping final : BodyLoad {
   Vec3 acceleration(const LoadedNode& node, double time) const override {
     const double factor = value_of(curve, time);
     if (factor < 0.0) throw std::runtime_error("its curve is negative, and damping cannot give energy");
-    const double c = -coefficient * factor;
-    return {c * factors.x * node.velocity.x, c * factors.y * node.velocity.y, c * factors.z * node.velocity.z};
+    const double c = coefficient * factor;
+    if (c * max_of(max_of(factors.x, factors.y), factors.z) * node.time_step > 1.0)
+      throw std::runtime_error(
+          "its coefficient times the time step is above 1, and damping cannot turn a velocity round");
+    return {-c * factors.x * node.velocity.x, -c * factors.y * node.velocity.y, -c * factors.z * node.velocity.z};
   }
 };
 

@@ -259,6 +259,17 @@ def test_damping_that_would_give_energy_stops_the_run(kerf):
     assert "its curve is negative, and damping cannot give energy" in run.process.stdout + run.process.stderr
 
 
+def test_damping_that_would_turn_velocities_round_stops_the_run(kerf):
+    """Above 2 over the step, velocities would grow without bound and the books would still close."""
+    model = body({"type": "block", "size": [0.02, 0.01, 0.01], "cells": [4, 3, 2]}, 1e-4, step=2e-7,
+                 velocity=(3, 0, 0), loads=[{"type": "mass_damping", "coefficient": 0.9 / 2e-7}])
+    assert kerf(model, "time.maximum_cycles=20").summary["energy"]["kinetic"] >= 0.0
+    model["loads"][0]["coefficient"] = 1.1 / 2e-7
+    run = kerf(model, completes=False)
+    assert run.process.returncode == 3
+    assert "coefficient times the time step is above 1" in run.process.stdout + run.process.stderr
+
+
 @pytest.mark.parametrize("form", ["curve", "table"])
 def test_a_motion_follows_a_curve_as_it_follows_its_table(kerf, form):
     table = {"times": [0, 1e-5, 2e-5], "values": [0, 1, 0.5]}

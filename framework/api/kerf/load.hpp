@@ -35,6 +35,7 @@ struct LoadedNode {
   double mass = 0.0;  // [kg]
   Vec3 position, velocity;  // [m], [m/s]
   Vec3 reference_position;  // in the undeformed model [m]; see Load::reads_reference_position
+  double time_step = 0.0;  // of the step that ends at the time of the force; 0 before the first step [s]
 };
 
 /// A force on every node of the targets that belongs to an element which has not been eroded.
