@@ -30,7 +30,9 @@ void add_detonators(Lowering& low, Node& eos, const Material& material) {
   for (const Row& row : low.rows("INITIAL_DETONATION")) {
     if (!is_meant(low, row, *material.part)) continue;
     Node detonator = map_node(row.origin("pid"));
-    add(detonator, "point", row.vector({"x", "y", "z"}, length));
+    const std::array<double, 3> point =
+        low.deck.transform_of(row.block()).motion({row.value("x"), row.value("y"), row.value("z")});
+    add(detonator, "point", scalar(low.texts({point[0], point[1], point[2]}, length), row.origin("x")));
     add(detonator, "time", row.quantity("lt", time));
     list.items.push_back(std::move(detonator));
   }
@@ -84,8 +86,12 @@ Node equation_of_state(Lowering& low, const Row& row, const Material& material) 
   if (base == "EOS_LINEAR_POLYNOMIAL") {
     eos = linear_polynomial(row);
   } else if (base == "EOS_JWL") {
-    eos = jwl(low, row, material);
-    return eos;
+    if (!material.tension_limit.is_nothing() && !material.tension_limit.text.starts_with("0"))
+      low.differ(
+          material.tension_limit.origin,
+          "a pressure cut-off has no effect with *EOS_JWL: the pressure of detonation products falls below 0 only "
+          "where their energy does");
+    return jwl(low, row, material);
   } else if (base == "EOS_GRUNEISEN") {
     eos = gruneisen(row);
   } else {

@@ -26,13 +26,19 @@ double hardening_modulus(Lowering& low, const Row& row, double young) {
   return 0.0;
 }
 
+/// The rate of a law that depends on one.
+void warn_of_rate(Lowering& low, const Row& row) {
+  if (row.value("vp") != 1.0)
+    low.differ(row.origin("vp"), fmt::format("*{} VP = {}: the rate is always that of the plastic strain",
+                                             row.block().written, row.value("vp")));
+}
+
+/// By the constants of Cowper and Symonds, of which the first may be 0 for no rate.
 bool is_rate_dependent(Lowering& low, const Row& row, const char* c, const char* p) {
-  const double rate_of_c = row.value(c, rate), exponent = row.value(p);
-  if ((rate_of_c != 0.0) != (exponent != 0.0))
-    low.error(row.origin(rate_of_c != 0.0 ? p : c),
-              "the two constants of Cowper and Symonds belong together; expected "
-              "both or neither");
-  return rate_of_c != 0.0 && exponent != 0.0;
+  if (row.value(c, rate) == 0.0) return false;
+  if (row.value(p) != 0.0) return true;
+  low.error(row.origin(p), "the exponent of Cowper and Symonds is missing; expected a number above 0");
+  return false;
 }
 
 void plastic_kinematic(Lowering& low, const Row& row, Material& made) {
@@ -157,11 +163,24 @@ void spall(Lowering& low, const Row& row, Material& made) {
   }
 }
 
-Node johnson_cook_law(const Row& row, Node law) {
+/// The logarithm of a rate needs a rate to divide by, which no unit system gives by itself.
+void require_reference_rate(Lowering& low, const Row& row, const char* field) {
+  if (!(row.value(field, rate) > 0.0))
+    low.error(row.origin(field),
+              fmt::format("*{} has a rate factor without its reference rate; expected a rate above 0, "
+                          "in the units of the deck",
+                          row.block().written));
+}
+
+Node johnson_cook_law(Lowering& low, const Row& row, Node law) {
   add(law, "A", row.quantity("a", pressure));
   add(law, "B", row.quantity("b", pressure));
   add(law, "n", row.quantity("n"));
   add(law, "C", row.quantity("c"));
+  if (row.value("c") != 0.0) {
+    warn_of_rate(low, row);
+    require_reference_rate(low, row, "epso");
+  }
   if (row.value("epso", rate) > 0.0) add(law, "reference_rate", row.quantity("epso", rate));
   return law;
 }
@@ -170,6 +189,7 @@ void johnson_cook_damage(Lowering& low, const Row& row, Material& made) {
   bool any = false;
   for (const char* field : {"d1", "d2", "d3", "d4", "d5"}) any = any || row.value(field) != 0.0;
   if (!any) return;
+  if (row.value("d4") != 0.0 && row.value("c") == 0.0) require_reference_rate(low, row, "epso");
   Node damage = typed("johnson_cook_damage", row.origin("d1"));
   add(damage, "D1", row.quantity("d1"));
   add(damage, "D2", row.quantity("d2"));
@@ -187,7 +207,7 @@ void johnson_cook_damage(Lowering& low, const Row& row, Material& made) {
 
 void johnson_cook(Lowering& low, const Row& row, Material& made) {
   const Elastic constants{row.value("g", pressure), 0.0, 0.0, row.origin("g")};
-  Node law = johnson_cook_law(row, strength(low, "johnson_cook", constants));
+  Node law = johnson_cook_law(low, row, strength(low, "johnson_cook", constants));
   add(law, "m", row.quantity("m"));
   add(law, "melting_temperature", row.quantity("tm", temperature));
   add(law, "reference_temperature", row.quantity("tr", temperature));
@@ -200,7 +220,7 @@ void johnson_cook(Lowering& low, const Row& row, Material& made) {
 
 void simplified_johnson_cook(Lowering& low, const Row& row, Material& made) {
   const Elastic constants = elastic_constants(low, row);
-  Node law = johnson_cook_law(row, strength(low, "johnson_cook", constants));
+  Node law = johnson_cook_law(low, row, strength(low, "johnson_cook", constants));
   const Origin here = row.origin();
   // Without heating the temperature stays where it does not soften, whatever the constants of temperature are.
   for (const auto& [key, value] :
@@ -228,6 +248,7 @@ void power_law(Lowering& low, const Row& row, Material& made) {
   if (is_rate_dependent(low, row, "src", "srp")) {
     add(law, "C", row.quantity("src", rate));
     add(law, "P", row.quantity("srp"));
+    warn_of_rate(low, row);
   }
   add(made.node, "strength", std::move(law));
   add(made.node, "eos", logarithmic(low, constants));
@@ -273,7 +294,14 @@ std::vector<HardeningCurve> stress_curves(Lowering& low, const Row& row) {
 void piecewise_linear(Lowering& low, const Row& row, Material& made) {
   const Elastic constants = elastic_constants(low, row);
   const bool by_curve = row.integer("lcss").value > 0, by_points = !by_curve && has_points(row, 8);
-  const bool rates = is_rate_dependent(low, row, "c", "p");
+  if (row.integer("lcss").value < 0)
+    low.refuse(row.origin("lcss"), "LCSS < 0: curves of temperature are not taken; expected a curve or a table");
+  bool rates = is_rate_dependent(low, row, "c", "p");
+  if (rates && low.defined("DEFINE_TABLE", "tbid", row.id("lcss", IdKind::function).value, IdKind::function)) {
+    low.warning(row.origin("c"), "C and P have no effect beside the rates of a table");
+    rates = false;
+  }
+  if (rates) warn_of_rate(low, row);
   Node law;
   if (by_curve || by_points || rates) {
     const Origin where = row.origin(by_curve ? "lcss" : by_points ? "es1" : "sigy");
@@ -336,8 +364,21 @@ void add_all(Node& law, const Row& row, std::initializer_list<Taken> all) {
       add(law, taken.key, row.quantity(taken.field, taken.dimension));
 }
 
+Node expression(const Row& row, const char* field, const std::string& text) {
+  Node criterion = typed("expression", row.origin(field));
+  add(criterion, "expression", scalar(text, row.origin(field)));
+  return criterion;
+}
+
+/// The pressure that damaged material of Johnson and Holmquist can just bear in tension, as an expression.
+std::string tension_that_is_borne(const Lowering& low, const Row& row) {
+  return fmt::format("-0.999 * {} Pa * (1 - damage)",
+                     number_text(row.value("t", pressure) * low.units.in_si(pressure)));
+}
+
 void ceramics(Lowering& low, const Row& row, Material& made) {
   Node law = typed("johnson_holmquist_2", row.origin());
+  if (row.value("c") != 0.0) require_reference_rate(low, row, "epsi");
   add_all(law, row,
           {{"shear_modulus", "g", pressure},
            {"A", "a", number},
@@ -359,15 +400,14 @@ void ceramics(Lowering& low, const Row& row, Material& made) {
   add(made.node, "solid", std::move(law));
   if (row.value("fs") > 0.0) made.criteria.push_back(plastic_strain_limit(row, "fs"));
   if (row.value("fs") < 0.0) {
-    Node criterion = typed("expression", row.origin("fs"));
-    const double limit = row.value("t", pressure) * low.units.in_si(pressure);
-    add(criterion, "expression", scalar(fmt::format("pressure < -{} Pa", number_text(limit)), row.origin("fs")));
-    made.criteria.push_back(std::move(criterion));
+    // The law never lets the pressure fall below what the damaged material can bear, so it is enough to come near.
+    made.criteria.push_back(expression(row, "fs", fmt::format("pressure < {}", tension_that_is_borne(low, row))));
   }
 }
 
 void concrete(Lowering& low, const Row& row, Material& made) {
   Node law = typed("holmquist_johnson_cook", row.origin());
+  if (row.value("c") != 0.0) require_reference_rate(low, row, "eps0");
   add_all(law, row,
           {{"shear_modulus", "g", pressure},
            {"compressive_strength", "fc", pressure},
@@ -391,12 +431,8 @@ void concrete(Lowering& low, const Row& row, Material& made) {
   add(made.node, "solid", std::move(law));
   const double fs = row.value("fs");
   if (fs > 0.0) return made.criteria.push_back(plastic_strain_limit(row, "fs"));
-  Node criterion = typed("expression", row.origin("fs"));
-  const double strength_in_si = row.value("t", pressure) * low.units.in_si(pressure);
-  const std::string bears_no_more =
-      fmt::format("pressure <= -0.999 * {} Pa * (1 - damage)", number_text(strength_in_si));
-  add(criterion, "expression", scalar(fs == 0.0 ? bears_no_more : "damage >= 1", row.origin("fs")));
-  made.criteria.push_back(std::move(criterion));
+  made.criteria.push_back(
+      expression(row, "fs", fs < 0.0 ? "damage >= 1" : fmt::format("pressure <= {}", tension_that_is_borne(low, row))));
 }
 
 constexpr MaterialLaw laws[] = {

@@ -31,11 +31,13 @@ void add_fixed(Lowering& low, const std::string& nodes, const std::string& lette
   low.append("boundaries", std::move(fixed));
 }
 
-std::string held(const Row& row) {
+/// The components that a card holds; none where its include turns them.
+std::string held(Lowering& low, const Row& row) {
   std::string letters;
   for (const auto& [field, letter] : {std::pair{"dofx", 'x'}, std::pair{"dofy", 'y'}, std::pair{"dofz", 'z'}})
     if (row.integer(field).value != 0) letters += letter;
-  return letters;
+  if (letters.empty() || letters == "xyz" || low.keeps_directions(row, "a constraint in one direction")) return letters;
+  return {};
 }
 
 /// Nodes that several cards name one by one, with the place of the first.
@@ -52,18 +54,19 @@ void gather(Gathered& group, std::int32_t node, const Origin& where) {
 
 void held_nodes(Lowering& low) {
   for (const Row& row : low.rows("BOUNDARY_SPC_SET"))
-    if (const std::string letters = held(row); !letters.empty())
+    if (const std::string letters = held(low, row); !letters.empty())
       add_fixed(low, low.node_set(row.id("nsid", IdKind::set).value, row.origin("nsid")), letters, row.origin("nsid"));
   const std::vector<Row> single = low.rows("BOUNDARY_SPC_NODE");
   std::map<std::string, Gathered> groups;
   if (!single.empty()) {
     const LabelMap index(low.mesh.mesh.node_labels);
     for (const Row& row : single)
-      if (const std::string letters = held(row); !letters.empty())
+      if (const std::string letters = held(low, row); !letters.empty())
         gather(groups[letters], index.find(row.id("nid", IdKind::node).value), row.origin("nid"));
   }
   for (auto& [letters, group] : groups)
-    add_fixed(low, low.nodes("held_" + letters, std::move(group.nodes), group.origin), letters, group.origin);
+    if (!group.nodes.empty())
+      add_fixed(low, low.nodes("held_" + letters, std::move(group.nodes), group.origin), letters, group.origin);
 }
 
 /// What the code TC of *NODE holds.
@@ -73,6 +76,11 @@ void node_codes(Lowering& low) {
   for (const decks::NodeCode& code : low.mesh.codes)
     if (code.tc > 0 && code.tc <= 7) groups[code.tc].push_back(code.node);
   const std::vector<const decks::Block*> blocks = low.blocks("NODE");
+  for (const decks::Block* block : blocks)
+    if (!groups.empty() && low.is_turned(*block))
+      low.refuse(low.deck.origin(low.deck.place_of(*block)),
+                 "nodes of an include that is turned have constraint codes, which are not turned with it; write them "
+                 "into the main deck");
   for (auto& [code, members] : groups) {
     const Origin where = low.deck.origin(low.deck.place_of(*blocks.front()));
     const std::string held = letters[static_cast<std::size_t>(code)];
@@ -84,6 +92,7 @@ void add_motion(Lowering& low, const Row& row, const std::string& nodes) {
   const Origin where = row.origin("dof");
   const std::int64_t dof = row.integer("dof").value, vad = row.integer("vad").value;
   if (dof < 1 || dof > 3 || (vad != 0 && vad != 2) || nodes.empty()) return;  // refused by its field
+  if (!low.keeps_directions(row, "a motion")) return;
   Node motion = boundary("prescribed_motion", where, nodes);
   add(motion, "components", components(std::string(1, "xyz"[dof - 1]), where));
   const Dimension dimension = vad == 0 ? velocity : length;

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "lowering/lowering.hpp"
+#include "lowering/segments.hpp"
 
 namespace kerf::lowering {
 namespace {
@@ -44,9 +46,9 @@ class Contacts {
     if (base.find("TIED") != std::string::npos || base.find("TRANSDUCER") != std::string::npos) return;  // refused
     const Row row = low_.row(block);
     const bool single = base.find("SINGLE") != std::string::npos || base.find("GENERAL") != std::string::npos;
-    const std::vector<std::string> a = surface(row, "surfa", "surfatyp");
+    const std::vector<std::string> a = surface(row, "surfa", "surfatyp", single);
     const bool has_b = !single && (row.integer("surfb").value != 0 || row.integer("surfbtyp").value == 5);
-    const std::vector<std::string> b = has_b ? surface(row, "surfb", "surfbtyp") : a;
+    const std::vector<std::string> b = has_b ? surface(row, "surfb", "surfbtyp", single) : a;
     if (!single && !has_b && row.integer("surfa").value != 0)
       low_.differ(row.origin("surfb"),
                   fmt::format("*{} without a second surface: the first one touches itself", block.written));
@@ -54,10 +56,17 @@ class Contacts {
     pairs(row, a, b);
   }
 
-  std::vector<std::string> surface(const Row& row, const char* field, const char* type) {
+  std::vector<std::string> surface(const Row& row, const char* field, const char* type, bool single) {
     const std::int64_t kind = row.integer(type).value;
     const Origin where = row.origin(field);
-    if (kind == 5 || row.integer(field).value == 0) return all_parts();
+    if (kind == 5 || (row.integer(field).value == 0 && (kind == 0 || single))) return all_parts();
+    if (row.integer(field).value == 0) {
+      low_.error(where, fmt::format("the contact does not say which surface; expected the number of a {}",
+                                    kind == 2   ? "part set"
+                                    : kind == 3 ? "part"
+                                                : "node set"));
+      return {};
+    }
     if (kind == 2) return low_.parts_of_set(row.id(field, IdKind::set).value, where);
     if (kind == 3) {
       const std::string name = low_.part_name(row.id(field, IdKind::part).value);
@@ -96,15 +105,10 @@ class Contacts {
     return set.empty() ? std::vector<std::string>() : std::vector<std::string>{set};
   }
 
+  /// Sets whose facets are the segments, and no others.
   std::vector<std::string> segments(std::int64_t id, const Origin& where) {
-    for (const MeshFaceSet& set : low_.mesh.mesh.face_sets) {
-      if (set.label != id) continue;
-      std::vector<std::int32_t> nodes;
-      for (const auto& face : set.faces) nodes.insert(nodes.end(), face.begin(), face.end());
-      return {low_.nodes(fmt::format("segment_set_{}", id), std::move(nodes), where)};
-    }
-    low_.error(where, fmt::format("segment set {} is not defined", id));
-    return {};
+    if (!segment_sets_) segment_sets_.emplace(low_);
+    return segment_sets_->facets_of(segment_sets_->segments_of(id, where), where);
   }
 
   void pairs(const Row& row, const std::vector<std::string>& a, const std::vector<std::string>& b) {
@@ -136,8 +140,9 @@ class Contacts {
       add(node, "parts", std::move(list));
     }
     add(node, "self_contact", scalar(self ? "true" : "false", where));
+    refuse_end(row);
     const double fs = row.value("fs"), fd = row.value("fd");
-    if (fs < 0.0)
+    if (fs < 0.0 || fs == 2.0)
       low_.refuse(row.origin("fs"), fmt::format("FS = {}: friction of parts or from a table is not taken", fs));
     if (row.value("dc") != 0.0 && fs != fd)
       low_.refuse(row.origin("dc"),
@@ -147,7 +152,16 @@ class Contacts {
     list_.items.push_back(std::move(node));
   }
 
+  /// A contact may end after the run does.
+  void refuse_end(const Row& row) {
+    const Block* termination = low_.last("CONTROL_TERMINATION");
+    const double end = termination ? low_.row(*termination).value("endtim", time) : 0.0, dt = row.value("dt", time);
+    if (dt != 0.0 && dt < end)
+      low_.refuse(row.origin("dt"), fmt::format("DT = {}: contact that ends before the run does is not taken", dt));
+  }
+
   Lowering& low_;
+  std::optional<SegmentSets> segment_sets_;  // made when a contact first names segments
   Node list_ = list_node({});
 };
 

@@ -41,13 +41,19 @@ void lower_time(Lowering& low) {
 }
 
 void lower_output(Lowering& low) {
+  const Block* termination = low.last("CONTROL_TERMINATION");
+  const double end = termination ? low.row(*termination).value("endtim", time) : 0.0;
   Node block = map_node(low.root.origin);
   for (const auto& [keyword, key] :
        {std::pair{"DATABASE_BINARY_D3PLOT", "results_interval"}, std::pair{"DATABASE_GLSTAT", "history_interval"}}) {
     const std::vector<const Block*> all = low.blocks(keyword);
     if (all.empty()) continue;
     const Row row = low.row(*all.back());
-    if (row.value("dt", time) > 0.0) add(block, key, row.quantity("dt", time));
+    if (row.value("dt", time) > 0.0)
+      add(block, key, row.quantity("dt", time));
+    else if (std::string_view(keyword).ends_with("D3PLOT") && row.integer("npltc").value > 0 && end > 0.0)
+      add(block, key,
+          scalar(low.text(end / static_cast<double>(row.integer("npltc").value), time), row.origin("npltc")));
   }
   if (!block.entries.empty()) add(low.root, "output", std::move(block));
 }
@@ -58,7 +64,7 @@ void lower_control(Lowering& low) {
   if (!low.deck.title().empty()) {
     const std::vector<const Block*> titles = low.blocks("TITLE");
     add(low.root, "title",
-        scalar(low.deck.title(),
+        scalar(without_dollars(low.deck.title()),
                titles.empty() ? low.root.origin : low.deck.origin(low.deck.place_of(*titles.back()))));
   }
   lower_time(low);

@@ -171,6 +171,9 @@ void check_solids(Lowering& low) {
 void drop_parts_without_material(Lowering& low) {
   Entry* parts = low.root.find("parts");
   if (!parts) return;
+  for (const Entry& part : parts->value.entries)
+    if (!part.value.find("material") && !low.has_complained())
+      low.error(part.value.origin, fmt::format("part {} has no material that Kerf can run", part.key));
   std::erase_if(parts->value.entries, [](const Entry& part) { return !part.value.find("material"); });
   std::erase_if(low.part_names, [&](const auto& part) { return !parts->value.find(part.second); });
   if (parts->value.entries.empty()) low.error(low.root.origin, "no part is left that can be run");

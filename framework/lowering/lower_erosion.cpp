@@ -12,6 +12,7 @@ class AddedErosion {
       : low_(low), row_(row), criteria_(criteria) {}
 
   void read() {
+    warn_of_blanks();
     if (is_set("mxpres")) expression("mxpres", fmt::format("pressure >= {}", in_pascal("mxpres")));
     if (is_set("mnpres")) limit("mnpres", "minimum_pressure", "limit", pressure);
     if (is_set("effeps")) effective_strain();
@@ -41,6 +42,18 @@ class AddedErosion {
                                                   "expected {} where the criterion is not meant",
                                                   excluded, excluded));
     return !means_nothing;
+  }
+
+  /// Where EXCL is not 0, a blank field may be meant as one that is left out, or as a limit of 0.
+  void warn_of_blanks() {
+    if (!row_.given("excl") || row_.value("excl") == 0.0) return;
+    for (const char* field : {"mxpres", "mneps", "effeps", "voleps", "mnpres", "sigp1", "sigvm", "mxeps", "epssh",
+                              "sigth", "impulse", "failtm"})
+      if (!row_.given(field))
+        return low_.warning(row_.origin("excl"),
+                            fmt::format("*MAT_ADD_EROSION: EXCL is {}, and blank fields are taken as left out; other "
+                                        "programs take them as limits of 0",
+                                        row_.value("excl")));
   }
 
   bool positive(const char* field) {
@@ -92,9 +105,11 @@ class AddedErosion {
     Node& criterion = criteria_.back();
     add(criterion, "threshold_stress", row_.quantity("sigth", pressure));
     add(criterion, "exponent", scalar("2", row_.origin("impulse")));
-    const double in_si = low_.units.in_si(pressure);
+    constexpr Dimension stress_squared_times_time{2, -2, -3};
     add(criterion, "limit",
-        scalar(number_text(row_.value("impulse") * in_si * in_si * low_.units.in_si(time)), row_.origin("impulse")));
+        scalar(
+            number_text(row_.value("impulse", stress_squared_times_time) * low_.units.in_si(stress_squared_times_time)),
+            row_.origin("impulse")));
   }
 
   Lowering& low_;

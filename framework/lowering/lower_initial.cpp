@@ -41,11 +41,18 @@ class InitialVelocities {
   }
 
  private:
+  /// A velocity that an include would turn is refused.
+  std::array<double, 3> moving(const Row& row, const std::array<const char*, 3>& fields) const {
+    const std::array<double, 3> v = three(row, fields, velocity);
+    if (!is_zero(v)) low_.keeps_directions(row, "a velocity");
+    return v;
+  }
+
   std::array<double, 3> three(const Row& row, const std::array<const char*, 3>& fields, Dimension dimension) const {
     return {row.value(fields[0], dimension), row.value(fields[1], dimension), row.value(fields[2], dimension)};
   }
 
-  /// LS-DYNA does not say which of two kinds of cards counts.
+  /// The manual of the format does not say which of two kinds of cards counts.
   void take_over(std::int32_t node, std::size_t card) {
     std::int32_t& owner = owner_[static_cast<std::size_t>(node)];
     if (owner >= 0 && given_[static_cast<std::size_t>(owner)].keyword != given_[card].keyword && !warned_) {
@@ -80,7 +87,7 @@ class InitialVelocities {
     const std::int64_t id = row.id("nsid", IdKind::set).value, exempt = row.id("nsidex", IdKind::set).value;
     give({row.block().base(),
           row.origin("vx"),
-          three(row, {"vx", "vy", "vz"}, velocity),
+          moving(row, {"vx", "vy", "vz"}),
           {},
           {},
           {},
@@ -89,7 +96,7 @@ class InitialVelocities {
     if (exempt != 0)
       give({row.block().base(),
             row.origin("vxe"),
-            three(row, {"vxe", "vye", "vze"}, velocity),
+            moving(row, {"vxe", "vye", "vze"}),
             {},
             {},
             {},
@@ -103,8 +110,8 @@ class InitialVelocities {
     for (std::size_t r = 0; r < low_.deck.n_repeats(block); ++r) {
       const Row row = low_.row(block, r);
       const std::int32_t node = index_->find(row.id("nid", IdKind::node).value);
-      if (node < 0) continue;  // check_references has complained
-      const std::array<double, 3> v = three(row, {"vx", "vy", "vz"}, velocity);
+      if (node < 0) continue;  // the check of references has complained
+      const std::array<double, 3> v = moving(row, {"vx", "vy", "vz"});
       const auto [group, is_new] = groups.emplace(v, given_.size());
       if (is_new)
         given_.push_back(
@@ -134,7 +141,7 @@ class InitialVelocities {
   void generated(const Row& row) {
     Given given{row.block().base(),
                 row.origin("vx"),
-                three(row, {"vx", "vy", "vz"}, velocity),
+                moving(row, {"vx", "vy", "vz"}),
                 {},
                 {},
                 {},

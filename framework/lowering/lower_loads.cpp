@@ -44,11 +44,14 @@ void pressures(Lowering& low) {
   SegmentSets sets(low);
   std::map<std::pair<std::int64_t, double>, Pressed> groups;
   for (const Row& row : rows) {
-    Pressed& group = groups[{row.id("lcid", IdKind::function).value, row.value("sf")}];
+    Pressed& group = groups[{row.id("lcid", IdKind::function).value, row.value("sf", pressure)}];
     if (!group.row) group.row = &row;
-    group.segments.push_back(sets.segment({row.id("n1", IdKind::node).value, row.id("n2", IdKind::node).value,
-                                           row.id("n3", IdKind::node).value, row.id("n4", IdKind::node).value},
-                                          row.origin("n1")));
+    Segment segment = sets.segment({row.id("n1", IdKind::node).value, row.id("n2", IdKind::node).value,
+                                    row.id("n3", IdKind::node).value, row.id("n4", IdKind::node).value},
+                                   row.origin("n1"));
+    // In a mirror, the outside of a face is seen from the other side.
+    if (low.deck.transform_of(row.block()).motion.determinant() < 0.0) segment.outward = !segment.outward;
+    group.segments.push_back(segment);
   }
   for (const auto& [key, group] : groups) press(low, sets, *group.row, group.segments);
   for (const Row& row : set_rows)
@@ -58,6 +61,7 @@ void pressures(Lowering& low) {
 void add_force(Lowering& low, const Row& row, const std::string& nodes) {
   const std::int64_t dof = row.integer("dof").value;
   if (dof < 1 || dof > 3 || nodes.empty()) return;  // refused by its field
+  if (!low.keeps_directions(row, "a force")) return;
   const Origin where = row.origin("dof");
   Node load = map_node(where);
   add(load, "type", scalar("nodal_force", where));
@@ -88,6 +92,7 @@ void accelerations(Lowering& low) {
     for (const Block* block : low.blocks(keyword)) {
       const Row row = low.row(*block);
       const Origin where = row.origin("sf");
+      if (!low.keeps_directions(row, "an acceleration")) continue;
       Node load = map_node(where);
       add(load, "type", scalar("gravity", where));
       std::vector<double> values(3, 0.0);

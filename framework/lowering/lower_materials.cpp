@@ -91,7 +91,9 @@ class Materials {
     if (part.eos != 0 && used_materials_.count(part.material) > 0) name += fmt::format("_eos_{}", part.eos);
     if (burns) name += fmt::format("_part_{}", part.id);
     used_materials_.insert(part.material);
-    return name;
+    std::string free = name;
+    for (int k = 2; !used_names_.insert(free).second; ++k) free = fmt::format("{}_{}", name, k);
+    return free;
   }
 
   Material lowered(const Block& block, const Block* eos, const DeckPart& part) {
@@ -148,6 +150,7 @@ class Materials {
   Origin erode_origin_;
   std::map<std::string, std::string> names_;
   std::set<std::int64_t> used_materials_;
+  std::set<std::string> used_names_;
 };
 
 }  // namespace

@@ -20,8 +20,8 @@ struct ElementValues {
 };
 
 void take_bulk_viscosity(const Row& row, ElementValues& values) {
-  if (row.value("q1") != 0.0) values.quadratic = row.value("q1");
-  if (row.value("q2") != 0.0) values.linear = row.value("q2");
+  if (row.given("q1") && row.value("q1") != 0.0) values.quadratic = row.value("q1");
+  if (row.given("q2") && row.value("q2") != 0.0) values.linear = row.value("q2");
 }
 
 ElementValues defaults(Lowering& low) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/assert.hpp"
+
 namespace kerf::lowering {
 
 using decks::Block;
@@ -35,6 +37,7 @@ Node list_node(Origin origin) {
 }
 
 Node& add(Node& map, std::string key, Node value) {
+  KERF_ASSERT(!map.find(key), "a key of the document is written once");
   const Origin origin = value.origin;
   map.entries.push_back({std::move(key), origin, std::move(value)});
   return map.entries.back().value;
@@ -61,7 +64,7 @@ int Row::card_of(std::string_view field) const {
 Field<double> Row::real(std::string_view field, Dimension d) const {
   Field<double> found = lowering_->deck.real(*block_, card_of(field), field, repeat_);
   const decks::Transform& t = lowering_->deck.transform_of(*block_);
-  if (found.given) found.value *= product_of(d, t.mass, t.length, t.time);
+  found.value *= product_of(d, t.mass, t.length, t.time);  // a default is a number of the include, too
   return found;
 }
 
@@ -125,6 +128,7 @@ std::vector<const Block*> Lowering::blocks(std::string_view base) const {
 const Block* Lowering::last(std::string_view base) {
   const std::vector<const Block*> all = blocks(base);
   if (all.empty()) return nullptr;
+  if (!told_last_.insert(std::string(base)).second) return all.back();
   for (std::size_t k = 0; k + 1 < all.size(); ++k)
     warning(deck.origin(deck.place_of(*all[k])),
             fmt::format("*{} is written again at {}, which counts", base, deck.text_of(deck.place_of(*all.back()))));
@@ -147,12 +151,21 @@ const Block* Lowering::defined(std::string_view prefix, std::string_view field, 
   return nullptr;
 }
 
+bool Lowering::is_turned(const Block& block) const {
+  const decks::Transform& transform = deck.transform_of(block);
+  return transform.motion.matrix != decks::Affine::scaled(transform.length, transform.length, transform.length).matrix;
+}
+
+bool Lowering::keeps_directions(const Row& row, const char* what) {
+  if (!is_turned(row.block())) return true;
+  refuse(row.origin(), fmt::format("*{}: {} in an include that is turned, mirrored or stretched is not taken; write it "
+                                   "into the main deck",
+                                   row.block().written, what));
+  return false;
+}
+
 bool Lowering::stands_still(const Row& row, const char* what) {
-  const decks::Transform& transform = deck.transform_of(row.block());
-  const decks::Affine moved = transform.motion;
-  const std::array<std::array<double, 3>, 3> scaled =
-      decks::Affine::scaled(transform.length, transform.length, transform.length).matrix;
-  if (moved.shift == std::array<double, 3>{} && moved.matrix == scaled) return true;
+  if (!is_turned(row.block()) && deck.transform_of(row.block()).motion.shift == std::array<double, 3>{}) return true;
   refuse(row.origin(), fmt::format("*{}: {} in an include that is moved or turned is not taken; write it into the main "
                                    "deck",
                                    row.block().written, what));

@@ -87,6 +87,8 @@ class Lowering {
   void differ(const Origin& where, const std::string& what);
   void error(const Origin& where, const std::string& what) { diagnostics_.error(where, what); }
   void warning(const Origin& where, const std::string& what) { diagnostics_.warning(where, what); }
+  /// Whether there is an error, or something is left out as the user wants.
+  bool has_complained() const { return diagnostics_.has_errors() || report.n_left_out > 0; }
 
   /// All blocks of a keyword, in the order of the deck.
   std::vector<const decks::Block*> blocks(std::string_view base) const;
@@ -99,6 +101,10 @@ class Lowering {
   const decks::Block* defined(std::string_view prefix, std::string_view field, std::int64_t id,
                               decks::IdKind kind) const;
 
+  /// Whether an include turns, mirrors or stretches what stands in it.
+  bool is_turned(const decks::Block& block) const;
+  /// Whether an include leaves directions alone; else `what` of the row is refused.
+  bool keeps_directions(const Row& row, const char* what);
   /// Whether an include leaves places and directions alone; else `what` of the row is refused.
   bool stands_still(const Row& row, const char* what);
 
@@ -118,6 +124,8 @@ class Lowering {
   std::string node_set(std::int64_t id, const Origin& where);
   /// A set of the document of certain nodes; `name` is what it is called where that is free.
   std::string nodes(const std::string& name, std::vector<std::int32_t> nodes, const Origin& where);
+  /// `name`, or a name made of it that no part and no set has yet.
+  std::string free_name(const std::string& name);
   /// Names the parts that have solids.
   void name_parts();
   /// Nodes of the solids of a part, ascending.
@@ -143,7 +151,8 @@ class Lowering {
   Diagnostics& diagnostics_;
   std::map<std::int64_t, std::string> node_set_names_;
   std::map<std::int64_t, std::vector<std::int32_t>> nodes_of_parts_;  // found when they are first asked for
-  std::set<std::string> set_names_;
+  std::set<std::string> names_;  // of parts and sets
+  std::set<std::string> told_last_;  // keywords whose earlier blocks have been warned of
   std::set<std::int64_t> curves_;
 };
 

@@ -36,8 +36,14 @@ void Lowering::name_parts() {
     const bool alone = !word.empty() && !is_number(word) && uses[word] == 1;
     if (has_cells(part.id))
       part_names[part.id] =
-          alone ? word : fmt::format("{}_{}", word.empty() || is_number(word) ? "part" : word, part.id);
+          free_name(alone ? word : fmt::format("{}_{}", word.empty() || is_number(word) ? "part" : word, part.id));
   }
+}
+
+std::string Lowering::free_name(const std::string& name) {
+  std::string free = name;
+  for (int k = 2; is_number(free) || !names_.insert(free).second; ++k) free = fmt::format("{}_{}", name, k);
+  return free;
 }
 
 std::string Lowering::part_name(std::int64_t id) const {
@@ -53,8 +59,18 @@ std::vector<std::string> Lowering::parts_of_set(std::int64_t set, const Origin& 
     return {};
   }
   std::vector<std::string> names;
-  for (const std::int64_t id : found->ids)
-    if (const std::string name = part_name(id); !name.empty()) names.push_back(name);
+  std::string without;
+  for (const std::int64_t id : found->ids) {
+    const std::string name = part_name(id);
+    if (name.empty())
+      without += fmt::format("{}{}", without.empty() ? "" : ", ", id);
+    else
+      names.push_back(name);
+  }
+  if (names.empty())
+    refuse(where, fmt::format("part set {} has no part with solids that can be run; expected one", set));
+  else if (!without.empty())
+    warning(where, fmt::format("part set {} also names {}, without solids that can be run", set, without));
   return names;
 }
 
@@ -94,11 +110,7 @@ std::string Lowering::node_set(std::int64_t id, const Origin& where) {
 }
 
 std::string Lowering::nodes(const std::string& name, std::vector<std::int32_t> members, const Origin& where) {
-  std::string free = name;
-  for (int k = 2; set_names_.count(free) > 0 || is_number(free); ++k) free = fmt::format("{}_{}", name, k);
-  for (const auto& [id, part] : part_names)
-    if (part == free) free += "_nodes";
-  set_names_.insert(free);
+  const std::string free = free_name(name);
   std::sort(members.begin(), members.end());
   members.erase(std::unique(members.begin(), members.end()), members.end());
   sets.push_back({free, 0, std::move(members)});

@@ -90,9 +90,16 @@ Segment SegmentSets::segment(const std::array<std::int64_t, 4>& ids, const Origi
 
 std::vector<Segment> SegmentSets::segments_of(std::int64_t set, const Origin& where) {
   std::vector<Segment> segments;
-  for (const MeshFaceSet& faces : low_.mesh.mesh.face_sets)
-    if (faces.label == set)
-      for (const auto& face : faces.faces) segments.push_back(of_nodes(face, where));
+  bool found = false;
+  for (const MeshFaceSet& faces : low_.mesh.mesh.face_sets) {
+    if (faces.label != set) continue;
+    found = true;
+    for (const auto& face : faces.faces) segments.push_back(of_nodes(face, where));
+  }
+  if (!found)
+    low_.error(where, fmt::format("segment set {} is not defined", set));
+  else if (segments.empty())
+    low_.error(where, fmt::format("segment set {} is empty; expected segments", set));
   return segments;
 }
 
@@ -108,6 +115,19 @@ std::vector<std::pair<std::string, double>> SegmentSets::of(const std::vector<Se
     divide(*facets, sign, where, found);
   }
   return found;
+}
+
+std::vector<std::string> SegmentSets::facets_of(const std::vector<Segment>& segments, const Origin& where) {
+  std::vector<std::int32_t> facets;
+  for (const Segment& segment : segments)
+    if (segment.facet >= 0) facets.push_back(segment.facet);
+  std::sort(facets.begin(), facets.end());
+  facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
+  std::vector<std::pair<std::string, double>> found;
+  divide(std::move(facets), 1.0, where, found);
+  std::vector<std::string> names;
+  for (auto& [name, sign] : found) names.push_back(std::move(name));
+  return names;
 }
 
 /// Cuts the facets across their longest extent until each set of nodes holds no others.

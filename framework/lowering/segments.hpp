@@ -26,6 +26,8 @@ class SegmentSets {
   std::vector<Segment> segments_of(std::int64_t set, const Origin& where);
   /// Sets of the document that hold the segments, and the sign of a pressure on each: -1 on segments that look inward.
   std::vector<std::pair<std::string, double>> of(const std::vector<Segment>& segments, const Origin& where);
+  /// Sets of the document that hold the segments, whichever way they look.
+  std::vector<std::string> facets_of(const std::vector<Segment>& segments, const Origin& where);
 
  private:
   struct Facet {
