@@ -86,7 +86,7 @@ Node equation_of_state(Lowering& low, const Row& row, const Material& material) 
   if (base == "EOS_LINEAR_POLYNOMIAL") {
     eos = linear_polynomial(row);
   } else if (base == "EOS_JWL") {
-    if (!material.tension_limit.is_nothing() && !material.tension_limit.text.starts_with("0"))
+    if (!material.tension_limit.is_nothing() && material.tension_limit.text != low.text(0.0, pressure))
       low.differ(
           material.tension_limit.origin,
           "a pressure cut-off has no effect with *EOS_JWL: the pressure of detonation products falls below 0 only "

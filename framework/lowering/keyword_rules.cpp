@@ -257,7 +257,9 @@ const std::vector<KeywordRule>& rules() {
        Fate::done,
        "solid `johnson_holmquist_2`",
        {{"mid ro g a b c m n epsi t sfmax hel phel beta d1 d2 k1 k2 k3", used, "", "constants of the law"},
-        {"fs", used, "", "erosion `plastic_strain`; 0 is none"}}},
+        {"fs", used, "",
+         "above 0: erosion `plastic_strain`; 0: none; below 0: erosion where the volume has grown so far that K1 "
+         "times the dilatation is the tensile strength"}}},
       {"MAT_JOHNSON_HOLMQUIST_CONCRETE",
        Fate::done,
        "solid `holmquist_johnson_cook`",

@@ -370,12 +370,6 @@ Node expression(const Row& row, const char* field, const std::string& text) {
   return criterion;
 }
 
-/// The pressure that damaged material of Johnson and Holmquist can just bear in tension, as an expression.
-std::string tension_that_is_borne(const Lowering& low, const Row& row) {
-  return fmt::format("-0.999 * {} Pa * (1 - damage)",
-                     number_text(row.value("t", pressure) * low.units.in_si(pressure)));
-}
-
 void ceramics(Lowering& low, const Row& row, Material& made) {
   Node law = typed("johnson_holmquist_2", row.origin());
   if (row.value("c") != 0.0) require_reference_rate(low, row, "epsi");
@@ -400,8 +394,11 @@ void ceramics(Lowering& low, const Row& row, Material& made) {
   add(made.node, "solid", std::move(law));
   if (row.value("fs") > 0.0) made.criteria.push_back(plastic_strain_limit(row, "fs"));
   if (row.value("fs") < 0.0) {
-    // The law never lets the pressure fall below what the damaged material can bear, so it is enough to come near.
-    made.criteria.push_back(expression(row, "fs", fmt::format("pressure < {}", tension_that_is_borne(low, row))));
+    // Damage takes the tension away at once, so that the pressure itself does not tell that the limit was passed.
+    const double strain = row.value("t", pressure) / row.value("k1", pressure);
+    if (strain < 1.0)
+      made.criteria.push_back(
+          expression(row, "fs", fmt::format("volume_ratio > {}", number_text(1.0 / (1.0 - strain)))));
   }
 }
 
@@ -431,8 +428,9 @@ void concrete(Lowering& low, const Row& row, Material& made) {
   add(made.node, "solid", std::move(law));
   const double fs = row.value("fs");
   if (fs > 0.0) return made.criteria.push_back(plastic_strain_limit(row, "fs"));
-  made.criteria.push_back(
-      expression(row, "fs", fs < 0.0 ? "damage >= 1" : fmt::format("pressure <= {}", tension_that_is_borne(low, row))));
+  const std::string bears_no_more = fmt::format("pressure <= -0.999 * {} Pa * (1 - damage)",
+                                                number_text(row.value("t", pressure) * low.units.in_si(pressure)));
+  made.criteria.push_back(expression(row, "fs", fs < 0.0 ? "damage >= 1" : bears_no_more));
 }
 
 constexpr MaterialLaw laws[] = {
