@@ -13,6 +13,9 @@ namespace {
 using decks::Block;
 using decks::IdKind;
 
+/// Boundaries and sets are made for a few names, and looked up one by one.
+constexpr std::size_t most_velocities = 2000;
+
 /// A velocity that nodes get, and the nodes that no later card takes over.
 struct Given {
   std::string keyword;
@@ -118,6 +121,11 @@ class InitialVelocities {
             {row.block().base(), row.origin("vx"), v, {}, {}, {}, fmt::format("moving_{}", given_.size() + 1)});
       take_over(node, group->second);
     }
+    if (groups.size() > most_velocities)
+      low_.refuse(low_.deck.origin(low_.deck.place_of(block)),
+                  fmt::format("*{} gives {} different velocities, each of which becomes a boundary; more than {} would "
+                              "take too long",
+                              block.written, groups.size(), most_velocities));
   }
 
   std::vector<std::int32_t> nodes_of_generation(const Row& row) {

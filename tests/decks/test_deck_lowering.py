@@ -309,3 +309,9 @@ def test_brittle_bricks_that_are_drawn_are_eroded(tmp_path, law):
     done = kerf("run", "deck.k", "--units", "g-cm-us", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert sum(summary_of(tmp_path / "results" / "deck")["eroded"]["by_part"].values()) > 0
+
+
+def test_more_velocities_than_boundaries_can_be_made_of_are_refused(lowered):
+    points = "".join(f"{i},0.0,0.0,{i}.0\n" for i in range(100, 2102))
+    velocities = "*INITIAL_VELOCITY_NODE\n" + "".join(f"{i},{i}.0,0.0,0.0\n" for i in range(100, 2102))
+    refused(lowered, deck("*NODE\n" + points + velocities), "2002 different velocities")
