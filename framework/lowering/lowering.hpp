@@ -24,7 +24,7 @@ struct LoweringOptions {
   int case_number = 0;
   bool without_unsupported = false;  // leave out what Kerf does not do
   bool strict = false;  // refuse what Kerf does in another way
-  std::string mesh_name;  // what the document calls the file of the mesh; empty for the name of the deck
+  std::string mesh_name = {};  // what the document calls the file of the mesh; empty for the name of the deck
   bool mesh_is_enough = false;  // a deck without an end time and materials is a mesh, and becomes one
 };
 
