@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "decks/deck_mesh.hpp"
 
@@ -20,13 +19,17 @@ struct Definition {
 };
 
 Definition definition_of(const std::string& base) {
-  if (begins(base, "MAT_") && !begins(base, "MAT_ADD")) return {"material", "mid", IdKind::material};
+  if (begins(base, "MAT_THERMAL_")) return {"thermal_material", "tmid", IdKind::material};
+  if (begins(base, "MAT_ADD_") || base == "MAT_NONLOCAL") return {};  // they name materials
+  if (begins(base, "MAT_")) return {"material", "mid", IdKind::material};
   if (begins(base, "EOS_")) return {"eos", "eosid", IdKind::material};
   if (base == "HOURGLASS") return {"hourglass", "hgid", IdKind::other};
   if (begins(base, "SECTION_")) return {"section", "secid", IdKind::other};
   if (begins(base, "DEFINE_CURVE")) return {"curve", "lcid", IdKind::function};
   if (begins(base, "DEFINE_TABLE")) return {"curve", "tbid", IdKind::function};
   if (base == "DEFINE_BOX") return {"box", "boxid", IdKind::definition};
+  if (begins(base, "DEFINE_COORDINATE_")) return {"coordinate_system", "cid", IdKind::definition};
+  if (base == "DEFINE_VECTOR") return {"vector", "vid", IdKind::definition};
   return {};
 }
 
@@ -71,17 +74,17 @@ class References {
       const Definition defines = definition_of(block.base());
       if (!defines.kind) continue;
       if (block.name.use != KeywordUse::tabled) {  // its cards are not known, but its first number is its id
-        defined_[defines.kind].insert(deck_.transform_of(block).id(deck_.first_integer(block), defines.offset));
+        define(defines, block, deck_.first_field(block));
         continue;
       }
       const std::size_t n =
           std::max<std::size_t>(block.name.spec->has(CardWhen::always) ? 1 : deck_.n_repeats(block), 1);
-      for (std::size_t r = 0; r < n; ++r) add(defines, block, deck_.integer(block, 1, defines.field, r).value);
+      for (std::size_t r = 0; r < n; ++r) define(defines, block, deck_.integer(block, 1, defines.field, r));
     }
-    for (const MeshNodeSet& set : mesh_.mesh.node_sets) defined_["node_set"].insert(set.label);
-    for (const MeshFaceSet& set : mesh_.mesh.face_sets) defined_["segment_set"].insert(set.label);
-    for (const DeckIdSet& set : mesh_.part_sets) defined_["part_set"].insert(set.id);
-    for (const DeckPart& part : mesh_.parts) defined_["part"].insert(part.id);
+    for (const MeshNodeSet& set : mesh_.mesh.node_sets) defined_["node_set"].try_emplace(set.label);
+    for (const MeshFaceSet& set : mesh_.mesh.face_sets) defined_["segment_set"].try_emplace(set.label);
+    for (const DeckIdSet& set : mesh_.part_sets) defined_["part_set"].try_emplace(set.id);
+    for (const DeckPart& part : mesh_.parts) defined_["part"].try_emplace(part.id);
     for (const std::int64_t label : mesh_.mesh.node_labels) nodes_.push_back(label);
     std::sort(nodes_.begin(), nodes_.end());
     for (const Block& block : deck_.blocks())
@@ -93,8 +96,15 @@ class References {
       }
   }
 
-  void add(const Definition& defines, const Block& block, std::int64_t id) {
-    defined_[defines.kind].insert(deck_.transform_of(block).id(id, defines.offset));
+  void define(const Definition& defines, const Block& block, const Field<std::int64_t>& written) {
+    const std::int64_t id = deck_.transform_of(block).id(written.value, defines.offset);
+    const auto [first, is_new] = defined_[defines.kind].emplace(id, Defined{written.place, &block});
+    if (is_new || !written.given) return;
+    const Block& other = *first->second.block;
+    errors_.error(written.place, "ids defined twice",
+                  fmt::format("{} {} is defined twice; first at {}{}", shown(defines.kind), id,
+                              deck_.text_of(first->second.place),
+                              other.base() == block.base() ? "" : ", with *" + other.written));
   }
 
   bool is_defined(const std::string& kind, std::int64_t id) {
@@ -165,7 +175,11 @@ class References {
   const Deck& deck_;
   const DeckMesh& mesh_;
   DeckErrors& errors_;
-  std::map<std::string, std::set<std::int64_t>> defined_;
+  struct Defined {
+    Place place;
+    const Block* block = nullptr;
+  };
+  std::map<std::string, std::map<std::int64_t, Defined>> defined_;
   std::map<std::pair<std::string, std::int64_t>, std::string> unread_;  // sets in forms that are not read: keywords
   std::vector<std::int64_t> nodes_;
 };

@@ -161,16 +161,17 @@ Field<std::string> Deck::text(const Block& block, int number, std::string_view n
   return field;
 }
 
-std::int64_t Deck::first_integer(const Block& block) const {
-  const std::size_t first = block.written.ends_with("_TITLE") ? 1 : 0;
-  if (first >= block.n_cards) return 0;
-  const std::string_view text = cards_of(block)[first].view();
-  const bool commas = text.find(',') != std::string_view::npos;
+Field<std::int64_t> Deck::first_field(const Block& block) const {
+  Field<std::int64_t> id{0, false, place_of(block)};
+  const std::size_t first = block.has_option("TITLE") || block.written.ends_with("_TITLE") ? 1 : 0;
+  if (first >= block.n_cards) return id;
+  const Card& card = cards_of(block)[first];
+  const bool commas = card.view().find(',') != std::string_view::npos;
   const FieldText field =
-      commas ? comma_fields(text)[0] : fixed_field(text, 1, block.format == CardFormat::wide ? 20 : 10);
-  std::int64_t id = 0;
-  Place place;
-  return field.text.empty() || !read_integer(block, field, id, place).empty() ? 0 : id;
+      commas ? comma_fields(card.view())[0] : fixed_field(card.view(), 1, block.format == CardFormat::wide ? 20 : 10);
+  Place place{block.source, card.line, field.column};
+  if (field.text.empty() || !read_integer(block, field, id.value, place).empty()) return {0, false, place};
+  return {id.value, true, place};
 }
 
 std::string Deck::heading(const Block& block, std::size_t repeat) const {

@@ -94,7 +94,8 @@ class Deck {
   Field<std::string> text(const Block& block, int card, std::string_view field, std::size_t repeat = 0) const;
   /// The first number on the first card below the title, of a keyword whose cards need not be known; 0 where there is
   /// none.
-  std::int64_t first_integer(const Block& block) const;
+  Field<std::int64_t> first_field(const Block& block) const;
+  std::int64_t first_integer(const Block& block) const { return first_field(block).value; }
   /// The heading of a block with _TITLE or _ID, as UTF-8; empty where there is none.
   std::string heading(const Block& block, std::size_t repeat = 0) const;
 

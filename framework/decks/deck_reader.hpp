@@ -59,7 +59,11 @@ class DeckReader {
   std::map<std::string, std::shared_ptr<const std::string>> bytes_;  // by canonical name
   std::vector<std::string> open_files_;  // canonical names, outermost first
   std::vector<std::string> folders_;  // of *INCLUDE_PATH
-  std::map<std::int64_t, Affine> motions_;  // of *DEFINE_TRANSFORMATION
+  struct Motion {
+    Affine affine;
+    Place place;
+  };
+  std::map<std::int64_t, Motion> motions_;  // of *DEFINE_TRANSFORMATION
   std::set<int> active_cases_, seen_cases_;
   int open_case_ = 0;
   Place open_case_place_;

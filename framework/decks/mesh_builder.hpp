@@ -36,6 +36,7 @@ class MeshBuilder {
   void check_volume(std::size_t cell, const std::array<std::int64_t, 10>& ids);
   void check_solids();
   // read_sets.cpp
+  void check_set_ids();
   void read_sets();
   void read_set(const Block& block);
   void read_node_set(const Block& block, std::int64_t id, const std::string& title);

@@ -199,7 +199,7 @@ Transform DeckReader::transform_of(const Block& block) {
     errors_.error(tranid.place, "includes",
                   fmt::format("transformation {} is not defined before this place", tranid.value));
   else
-    transform.motion = motion->second.after(transform.motion);
+    transform.motion = motion->second.affine.after(transform.motion);
   return transform;
 }
 
@@ -211,7 +211,12 @@ void DeckReader::read_transformation(const Block& block) {
     Affine line;
     if (motion_of(block, k, line)) motion = motion.after(line);
   }
-  motions_[source_of(block)->transform.id(id.value, IdKind::definition)] = motion;
+  const std::int64_t whole_id = source_of(block)->transform.id(id.value, IdKind::definition);
+  const auto [first, is_new] = motions_.emplace(whole_id, Motion{motion, id.place});
+  if (!is_new)
+    errors_.error(
+        id.place, "transformations",
+        fmt::format("transformation {} is defined twice; first at {}", whole_id, deck_.text_of(first->second.place)));
 }
 
 bool DeckReader::motion_of(const Block& block, std::size_t repeat, Affine& motion) {

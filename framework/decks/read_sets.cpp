@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "decks/mesh_builder.hpp"
 
@@ -24,9 +25,34 @@ bool is_read_set(const std::string& base) {
   return false;
 }
 
+/// The kinds of sets that the reader knows. Each has ids of its own.
+const char* kind_of_set(const std::string& base) {
+  for (const auto& [stem, kind] : {std::pair{"SET_NODE", "node"}, std::pair{"SET_PART", "part"},
+                                   std::pair{"SET_SEGMENT", "segment"}, std::pair{"SET_SOLID", "solid"}})
+    if (base.rfind(stem, 0) == 0) return kind;
+  return nullptr;
+}
+
 }  // namespace
 
+// Sets in forms that are not read count too: what names such an id must not get another set.
+void MeshBuilder::check_set_ids() {
+  std::map<std::pair<std::string_view, std::int64_t>, Place> first;
+  for (const Block& block : deck_.blocks()) {
+    const char* kind = kind_of_set(block.base());
+    if (!kind) continue;
+    const std::int64_t id = deck_.transform_of(block).id(deck_.first_integer(block), IdKind::set);
+    if (id <= 0) continue;
+    const auto [known, is_new] = first.emplace(std::pair{std::string_view(kind), id}, deck_.place_of(block));
+    if (!is_new && !block.has_option("COLLECT"))
+      errors_.error(deck_.place_of(block), "sets",
+                    fmt::format("{} set {} is defined twice; first at {}; only sets with _COLLECT are put together",
+                                kind, id, deck_.text_of(known->second)));
+  }
+}
+
 void MeshBuilder::read_sets() {
+  check_set_ids();
   for (const Block& block : deck_.blocks())
     if (is_read_set(block.base()) && block.base() != "SET_NODE_ADD") read_set(block);
   for (const Block& block : deck_.blocks())  // their members may stand below
@@ -163,9 +189,7 @@ void MeshBuilder::keep_node_set(const Block& block, std::int64_t id, const std::
     sets.push_back({title.empty() ? std::to_string(id) : title, id, std::move(nodes)});
     return;
   }
-  if (!block.has_option("COLLECT"))
-    return errors_.error(deck_.place_of(block), "sets",
-                         fmt::format("node set {} is defined twice; only sets with _COLLECT are put together", id));
+  if (!block.has_option("COLLECT")) return;  // check_set_ids has complained
   MeshNodeSet& set = sets[known->second];
   set.nodes.insert(set.nodes.end(), nodes.begin(), nodes.end());
   sort_once(set.nodes);
@@ -194,9 +218,11 @@ void MeshBuilder::read_segments(const Block& block, std::int64_t id, const std::
                                 : std::array{face[0], face[3], face[2], face[1]};
     if (ok) set.faces.push_back(face);
   }
-  if (!face_set_of_id_.emplace(id, out_.mesh.face_sets.size()).second)
-    return errors_.error(deck_.place_of(block), "sets", fmt::format("segment set {} is defined twice", id));
-  out_.mesh.face_sets.push_back(std::move(set));
+  const auto [known, is_new] = face_set_of_id_.emplace(id, out_.mesh.face_sets.size());
+  if (is_new) return out_.mesh.face_sets.push_back(std::move(set));
+  if (!block.has_option("COLLECT")) return;  // check_set_ids has complained
+  std::vector<std::array<std::int32_t, 4>>& faces = out_.mesh.face_sets[known->second].faces;
+  faces.insert(faces.end(), set.faces.begin(), set.faces.end());
 }
 
 void MeshBuilder::read_id_set(const Block& block, std::int64_t id, const std::string& title) {
@@ -245,10 +271,6 @@ void MeshBuilder::read_id_set(const Block& block, std::int64_t id, const std::st
   } else if (block.has_option("COLLECT")) {
     twice->ids.insert(twice->ids.end(), set.ids.begin(), set.ids.end());
     sort_once(twice->ids);
-  } else {
-    errors_.error(set.place, "sets",
-                  fmt::format("{} set {} is defined twice; first at {}", parts ? "part" : "solid", id,
-                              deck_.text_of(twice->place)));
   }
 }
 

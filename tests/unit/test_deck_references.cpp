@@ -1,0 +1,121 @@
+// Ids of decks: what is defined twice, what nothing defines, and what has to be there.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "decks/deck_mesh.hpp"
+
+namespace {
+
+using namespace kerf;
+using namespace kerf::decks;
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+/// The errors of a deck, without the name of its folder.
+std::vector<std::string> errors_of(const std::string& text) {
+  const fs::path path = fs::path(testing::TempDir()) / "kerf_references.k";
+  std::ofstream(path, std::ios::binary) << "*KEYWORD\n*CONTROL_TERMINATION\n       1.0\n" << text;
+  Diagnostics d;
+  const Deck deck = read_deck(path.string(), {}, d);
+  check_fields(deck, d);
+  const DeckMesh mesh = read_mesh(deck, d);
+  check_references(deck, mesh, d);
+  std::vector<std::string> errors;
+  for (std::string line : d.errors()) {
+    for (std::size_t at; (at = line.find(path.parent_path().string() + "/")) != std::string::npos;)
+      line.erase(at, path.parent_path().string().size() + 1);
+    errors.push_back(line);
+  }
+  return errors;
+}
+
+TEST(DeckIds, of_definitions_occur_once) {
+  const std::string elastic = "*MAT_ELASTIC\n         1    7800.0    2.0E11       0.3\n";
+  EXPECT_THAT(errors_of(elastic + elastic),
+              ElementsAre("kerf_references.k:7:1: error: material 1 is defined twice; first at kerf_references.k:5:1"));
+  EXPECT_THAT(errors_of(elastic + "*MAT_NULL_TITLE\nair\n         1       1.2\n"),
+              ElementsAre("kerf_references.k:8:1: error: material 1 is defined twice; first at kerf_references.k:5:1, "
+                          "with *MAT_ELASTIC"));
+  const std::string curve = "*DEFINE_CURVE\n         4\n                 0.0                 1.0\n";
+  EXPECT_THAT(errors_of(curve + curve), ElementsAre(HasSubstr(":8:1: error: curve 4 is defined twice; first at ")));
+  EXPECT_THAT(errors_of(curve + "*DEFINE_TABLE\n         4\n                 1.0\n"),
+              ElementsAre(EndsWith(":8:1: error: curve 4 is defined twice; first at kerf_references.k:5:1, with "
+                                   "*DEFINE_CURVE")));
+  EXPECT_THAT(errors_of("*EOS_JWL\n         2\n*EOS_GRUNEISEN\n         2\n"),
+              ElementsAre(HasSubstr(":7:1: error: equation of state 2 is defined twice")));
+  EXPECT_THAT(errors_of("*SECTION_SOLID\n         2         1\n         3         1\n         2         2\n"),
+              ElementsAre(HasSubstr(":7:1: error: section 2 is defined twice")));
+  EXPECT_THAT(errors_of("*SECTION_SOLID\n         2         1\n*SECTION_SHELL\n         2         2\n"),
+              ElementsAre(HasSubstr(":7:1: error: section 2 is defined twice")));
+  EXPECT_THAT(errors_of("*HOURGLASS\n         5         4\n*HOURGLASS\n         5         4\n"),
+              ElementsAre(HasSubstr(":7:1: error: hourglass control 5 is defined twice")));
+  EXPECT_THAT(errors_of("*DEFINE_BOX\n         1\n*DEFINE_BOX\n         1\n"),
+              ElementsAre(HasSubstr(":7:1: error: box 1 is defined twice")));
+  EXPECT_THAT(errors_of("*DEFINE_COORDINATE_SYSTEM\n         1\n\n*DEFINE_COORDINATE_NODES\n         1\n"),
+              ElementsAre(HasSubstr(":8:1: error: coordinate system 1 is defined twice")));
+  const std::string shift = "*DEFINE_TRANSFORMATION\n         6\nTRANSL           1.0\n";
+  EXPECT_THAT(errors_of(shift + shift),
+              ElementsAre(HasSubstr(":8:1: error: transformation 6 is defined twice; first")));
+}
+
+TEST(DeckIds, of_one_number_in_different_spaces_do_not_meet) {
+  EXPECT_THAT(errors_of("*MAT_ELASTIC\n         1    7800.0    2.0E11       0.3\n"
+                        "*MAT_ADD_EROSION\n         1\n       1.0\n"
+                        "*MAT_THERMAL_ISOTROPIC\n         1\n"
+                        "*EOS_GRUNEISEN\n         1\n"
+                        "*SECTION_SOLID\n         1         1\n"
+                        "*HOURGLASS\n         1         4\n"
+                        "*DEFINE_CURVE\n         1\n                 0.0                 1.0\n"
+                        "*DEFINE_BOX\n         1\n"
+                        "*DEFINE_VECTOR\n         1\n"
+                        "*DEFINE_COORDINATE_SYSTEM\n         1\n\n"
+                        "*DEFINE_TRANSFORMATION\n         1\nTRANSL           1.0\n"),
+              ElementsAre());
+}
+
+const std::string four_nodes =
+    "*NODE\n       1             0.0\n       2             1.0\n       3             2.0\n       4             3.0\n";
+
+TEST(DeckIds, of_sets_occur_once_in_whatever_form_they_are_written) {
+  const std::string list = "*SET_NODE_LIST\n         1\n         1         2\n";
+  for (const char* other : {"*SET_NODE_LIST_TITLE\nagain\n         1\n         3\n",
+                            "*SET_NODE_LIST_GENERATE\n         1\n         3\n", "*SET_NODE_GENERAL\n         1\nALL\n",
+                            "*SET_NODE_ADD\n         1\n         1\n", "*SET_NODE_COLUMN\n         1\n         3\n"})
+    EXPECT_THAT(
+        errors_of(four_nodes + list + other),
+        ElementsAre(EndsWith("error: node set 1 is defined twice; first at kerf_references.k:9:1; only sets with "
+                             "_COLLECT are put together")))
+        << other;
+  const std::string segments = "*SET_SEGMENT\n         1\n         1         2         3         4\n";
+  EXPECT_THAT(errors_of(four_nodes + segments + segments), ElementsAre(HasSubstr(":12:1: error: segment set 1 is ")));
+  EXPECT_THAT(errors_of("*SET_SOLID\n         1\n         1\n*SET_SOLID_GENERATE\n         1\n         1         1\n"),
+              ElementsAre(HasSubstr(":7:1: error: solid set 1 is defined twice")));
+  EXPECT_THAT(errors_of("*SET_PART_LIST\n         1\n         1\n*SET_PART_ADD\n         1\n"),
+              ElementsAre(HasSubstr(":7:1: error: part set 1 is defined twice")));
+  // The four kinds have ids of their own, and _COLLECT puts sets together.
+  EXPECT_THAT(errors_of(four_nodes + list + segments + "*SET_PART_LIST\n         1\n         1\n" +
+                        "*SET_SOLID\n         1\n         1\n" + "*SET_NODE_LIST_COLLECT\n         1\n         3\n"),
+              ElementsAre());
+}
+
+TEST(DeckSets, of_segments_are_put_together_with_collect) {
+  const fs::path path = fs::path(testing::TempDir()) / "kerf_collected.k";
+  std::ofstream(path) << "*KEYWORD\n"
+                      << four_nodes
+                      << "*SET_SEGMENT_COLLECT\n         1\n         1         2         3         4\n"
+                         "*SET_SEGMENT_COLLECT\n         1\n         4         3         2         1\n";
+  Diagnostics d;
+  const DeckMesh mesh = read_mesh(read_deck(path.string(), {}, d), d);
+  EXPECT_THAT(d.errors(), ElementsAre());
+  ASSERT_EQ(mesh.mesh.face_sets.size(), 1u);
+  EXPECT_EQ(mesh.mesh.face_sets[0].faces, (std::vector<std::array<std::int32_t, 4>>{{0, 1, 2, 3}, {3, 2, 1, 0}}));
+}
+
+}  // namespace
