@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "decks/deck_mesh.hpp"
 
@@ -77,14 +78,18 @@ class References {
         define(defines, block, deck_.first_field(block));
         continue;
       }
-      const std::size_t n =
-          std::max<std::size_t>(block.name.spec->has(CardWhen::always) ? 1 : deck_.n_repeats(block), 1);
-      for (std::size_t r = 0; r < n; ++r) define(defines, block, deck_.integer(block, 1, defines.field, r));
+      const bool once = block.name.spec->has(CardWhen::always);
+      const std::size_t n = once ? 1 : deck_.n_repeats(block);
+      for (std::size_t r = 0; r < n; ++r)
+        if (const Card* card = deck_.card(block, 1, r); card && (once || !is_blank(card->view())))
+          if (!is_unreadable(block, 1, defines.field, r))
+            define(defines, block, deck_.integer(block, 1, defines.field, r));
     }
     for (const MeshNodeSet& set : mesh_.mesh.node_sets) defined_["node_set"].try_emplace(set.label);
     for (const MeshFaceSet& set : mesh_.mesh.face_sets) defined_["segment_set"].try_emplace(set.label);
     for (const DeckIdSet& set : mesh_.part_sets) defined_["part_set"].try_emplace(set.id);
     for (const DeckPart& part : mesh_.parts) defined_["part"].try_emplace(part.id);
+    for (const MeshBlock& block : mesh_.mesh.blocks) with_solids_.insert(block.label);
     for (const std::int64_t label : mesh_.mesh.node_labels) nodes_.push_back(label);
     std::sort(nodes_.begin(), nodes_.end());
     for (const Block& block : deck_.blocks())
@@ -98,6 +103,11 @@ class References {
 
   void define(const Definition& defines, const Block& block, const Field<std::int64_t>& written) {
     const std::int64_t id = deck_.transform_of(block).id(written.value, defines.offset);
+    if (written.value <= 0 && block.name.use == KeywordUse::tabled)
+      return errors_.error(
+          written.place, "ids of definitions",
+          fmt::format("*{}: {} is {}; expected an id above zero", block.written, upper_case(defines.field),
+                      written.given ? std::to_string(written.value) : "blank"));
     const auto [first, is_new] = defined_[defines.kind].emplace(id, Defined{written.place, &block});
     if (is_new || !written.given) return;
     const Block& other = *first->second.block;
@@ -113,17 +123,53 @@ class References {
   }
 
   void check_fields_of(const Block& block) {
-    const bool once = block.name.spec->has(CardWhen::always);
     const std::size_t n_groups = deck_.n_repeats(block);
     for (const CardSpec& card : block.name.spec->cards) {
       if (card.when != CardWhen::always && card.when != CardWhen::more) continue;
       const std::size_t n = card.when == CardWhen::always ? 1 : n_groups;
       for (const FieldSpec& field : card.fields)
-        for (std::size_t r = 0; r < n && !field.names.empty(); ++r) {
-          const Field<std::int64_t> value = deck_.integer(block, card.number, field.name, r);
-          if (value.given && value.value > 0) check_id(block, field.names, value, once ? 0 : r);
-        }
+        for (std::size_t r = 0; r < n && !field.reference.kind.empty(); ++r)
+          if (deck_.card(block, card.number, r)) check_field(block, card, field, r);
     }
+  }
+
+  void check_field(const Block& block, const CardSpec& card, const FieldSpec& spec, std::size_t repeat) {
+    const FieldReference& reference = spec.reference;
+    const Field<std::int64_t> field = deck_.integer(block, card.number, spec.name, repeat);
+    if (field.value > 0) return check_id(block, reference.kind, field, repeat);
+    if (field.value < 0 && reference.may_be_negative) {
+      if (reference.negative_kind.empty()) return;
+      return check_id(block, reference.negative_kind, {-field.value, field.given, field.place}, repeat);
+    }
+    const bool is_missing = field.value == 0 && reference.required && is_needed(block, repeat) &&
+                            !is_unreadable(block, card.number, spec.name, repeat);
+    if (is_missing || field.value < 0) expect(block, spec.name, reference, field, repeat);
+  }
+
+  /// Whether a field holds text that is no number: check_fields has complained.
+  bool is_unreadable(const Block& block, int card, std::string_view field, std::size_t repeat) const {
+    return !deck_.integer(block, card, field, repeat).given && deck_.text(block, card, field, repeat).given;
+  }
+
+  /// Parts without solids need nothing: what they are made of never counts.
+  bool is_needed(const Block& block, std::size_t repeat) const {
+    return !begins(block.base(), "PART") || with_solids_.count(part_of(block, repeat)) > 0;
+  }
+
+  std::int64_t part_of(const Block& block, std::size_t repeat) const {
+    return deck_.transform_of(block).id(deck_.integer(block, 2, "pid", repeat).value, IdKind::part);
+  }
+
+  void expect(const Block& block, const std::string& name, const FieldReference& reference,
+              const Field<std::int64_t>& field, std::size_t repeat) {
+    const std::string kind = shown(reference.kind);
+    const bool vowel = std::string_view("aeiou").find(kind.front()) != std::string_view::npos;
+    errors_.error(
+        field.place, "ids that are missing",
+        fmt::format("{}: {} is {}; expected the number of {} {}{}",
+                    begins(block.base(), "PART") ? fmt::format("part {}", part_of(block, repeat)) : "*" + block.written,
+                    upper_case(name), field.given ? std::to_string(field.value) : "blank",
+                    vowel || reference.kind == "hourglass" ? "an" : "a", kind, reference.required ? "" : ", or 0"));
   }
 
   void check_id(const Block& block, const std::string& kind, const Field<std::int64_t>& field, std::size_t repeat) {
@@ -133,11 +179,10 @@ class References {
       return errors_.error(
           field.place, "sets that are not read",
           fmt::format("{} {} is written with *{}, which is not read", shown(kind), id, unread->second));
-    const bool of_part = begins(block.base(), "PART");
     errors_.error(field.place, "undefined ids",
-                  of_part ? fmt::format("part {} names {} {}, which is not defined",
-                                        deck_.integer(block, 2, "pid", repeat).value, shown(kind), id)
-                          : fmt::format("{} {} is not defined", shown(kind), id));
+                  begins(block.base(), "PART") ? fmt::format("part {} names {} {}, which is not defined",
+                                                             part_of(block, repeat), shown(kind), id)
+                                               : fmt::format("{} {} is not defined", shown(kind), id));
   }
 
   /// What SURFA and SURFB name hangs on their types: 0 segment sets, 2 part sets, 3 parts, 4 node sets.
@@ -150,7 +195,11 @@ class References {
                          : of_type == 3                 ? "part"
                          : of_type == 4                 ? "node_set"
                                                         : nullptr;
-      if (!kind || surface.value <= 0) continue;
+      if (!kind || surface.value == 0) continue;
+      if (surface.value < 0) {
+        expect(block, name, {kind, false, false, {}}, surface, 0);
+        continue;
+      }
       const std::int64_t id = deck_.transform_of(block).id(surface.value, offset_of(kind));
       if (is_defined(kind, id)) continue;
       const auto unread = unread_.find({kind, id});
@@ -182,6 +231,7 @@ class References {
   std::map<std::string, std::map<std::int64_t, Defined>> defined_;
   std::map<std::pair<std::string, std::int64_t>, std::string> unread_;  // sets in forms that are not read: keywords
   std::vector<std::int64_t> nodes_;
+  std::set<std::int64_t> with_solids_;  // parts
 };
 
 }  // namespace

@@ -29,6 +29,24 @@ CardWhen when_named(std::string_view name) {
   return static_cast<CardWhen>(found - std::begin(names));
 }
 
+FieldReference reference_of(std::string_view text) {
+  FieldReference reference;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text = without_blanks(text.substr(word.size()));
+    if (word == "required") {
+      reference.required = true;
+    } else if (word.front() == '-') {
+      reference.may_be_negative = true;
+      reference.negative_kind = word.substr(1);
+    } else {
+      KERF_ASSERT(reference.kind.empty(), "keyword_cards.csv: the column `names` holds two kinds");
+      reference.kind = word;
+    }
+  }
+  return reference;
+}
+
 FieldSpec field_of(const std::vector<FieldText>& row) {
   FieldSpec field;
   field.name = row[3].text;
@@ -39,7 +57,7 @@ FieldSpec field_of(const std::vector<FieldText>& row) {
   field.width = whole(row[6].text);
   field.text = row[7].text;
   if (field.type != FieldType::text) read_deck_real(field.text, field.number);
-  field.names = row[8].text;
+  field.reference = reference_of(row[8].text);
   return field;
 }
 

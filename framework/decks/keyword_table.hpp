@@ -16,6 +16,15 @@ enum class FieldType : std::uint8_t { real, integer, text };
 /// of contacts); with _MPP; or at will after all others.
 enum class CardWhen : std::uint8_t { always, more, title, id, mpp, optional };
 
+/// What the value of a field is the id of. In the table: the kind; `required` where 0 and blank are errors; and, where
+/// a value below zero means something, `-` with the kind that its number is the id of, or `-` alone.
+struct FieldReference {
+  std::string kind;  // "curve", "node_set"; empty where the field is no id
+  bool required = false;
+  bool may_be_negative = false;
+  std::string negative_kind;  // empty where a negative value is no id
+};
+
 /// One field of a card. Columns count from 1, in the standard format.
 struct FieldSpec {
   std::string name;  // lower case
@@ -23,7 +32,7 @@ struct FieldSpec {
   std::int32_t column = 1, width = 10, place = 0;  // `place` counts the fields of the card from 0
   double number = 0.0;  // the default
   std::string text;  // the default as written; empty where there is none
-  std::string names;  // what the value is the id of: "curve", "node_set"; empty where it is none
+  FieldReference reference;
 };
 
 struct CardSpec {
