@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "decks/bulk_card.hpp"
@@ -12,6 +13,11 @@
 #include "mesh/label_map.hpp"
 
 namespace kerf::decks {
+
+/// Ids from the first to the last, both included.
+struct IdRange {
+  std::int64_t first = 0, last = 0;
+};
 
 /// Fills a DeckMesh. For one use.
 class MeshBuilder {
@@ -45,6 +51,11 @@ class MeshBuilder {
   void read_segments(const Block& block, std::int64_t id, const std::string& title);
   void read_id_set(const Block& block, std::int64_t id, const std::string& title);
   std::int32_t node_named(const Block& block, std::int64_t written, const Place& place);
+  /// The ranges of a set that generates its members, as the whole deck calls their ids; ascending, none meets another.
+  std::vector<IdRange> ranges_of(const Block& block, IdKind kind);
+  /// Indices of the nodes, or labels of the cells or parts, in these ranges.
+  void add_nodes(const std::vector<IdRange>& ranges, std::vector<std::int32_t>& nodes);
+  void add_labels(const std::vector<IdRange>& ranges, bool of_parts, std::vector<std::int64_t>& labels);
   void add_nodes_of_part(std::int64_t part, std::vector<std::int32_t>& nodes) const;
   void keep_node_set(const Block& block, std::int64_t id, const std::string& title, std::vector<std::int32_t> nodes);
 
@@ -55,7 +66,9 @@ class MeshBuilder {
   std::unordered_map<std::int64_t, std::int32_t> part_of_id_;
   bool declares_parts_ = false;
   const LabelMap* node_index_ = nullptr;
-  std::unordered_map<std::int64_t, std::size_t> node_set_of_id_, face_set_of_id_;
+  std::unordered_map<std::int64_t, std::size_t> node_set_of_id_, face_set_of_id_, part_set_of_id_, solid_set_of_id_;
+  std::vector<std::pair<std::int64_t, std::int32_t>> nodes_by_label_;  // filled by the first set that has ranges
+  std::vector<std::int64_t> cells_by_label_;  // likewise
 };
 
 }  // namespace kerf::decks

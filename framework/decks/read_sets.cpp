@@ -9,7 +9,8 @@
 namespace kerf::decks {
 namespace {
 
-constexpr const char* ranges[4][2] = {{"b1beg", "b1end"}, {"b2beg", "b2end"}, {"b3beg", "b3end"}, {"b4beg", "b4end"}};
+constexpr const char* range_fields[4][2] = {
+    {"b1beg", "b1end"}, {"b2beg", "b2end"}, {"b3beg", "b3end"}, {"b4beg", "b4end"}};
 
 template <class Value>
 void sort_once(std::vector<Value>& values) {
@@ -91,24 +92,69 @@ void MeshBuilder::read_node_set(const Block& block, std::int64_t id, const std::
     general_members(block, nodes);
     return keep_node_set(block, id, title, std::move(nodes));
   }
-  const Transform& transform = deck_.transform_of(block);
+  if (block.base() == "SET_NODE_LIST_GENERATE") {
+    add_nodes(ranges_of(block, IdKind::node), nodes);
+    return keep_node_set(block, id, title, std::move(nodes));
+  }
   for (std::size_t r = 0; r < deck_.n_repeats(block); ++r) {
-    for (int k = 0; k < 8 && block.base() == "SET_NODE_LIST"; ++k) {
+    for (int k = 0; k < 8; ++k) {
       const Field<std::int64_t> node = deck_.integer(block, 2, fmt::format("nid{}", k + 1), r);
       if (node.value == 0) continue;
       if (const std::int32_t index = node_named(block, node.value, node.place); index >= 0) nodes.push_back(index);
     }
-    for (const auto& [begin, end] : ranges) {
-      if (block.base() == "SET_NODE_LIST") break;
-      const std::int64_t first = transform.id(deck_.integer(block, 2, begin, r).value, IdKind::node);
-      const std::int64_t last = transform.id(deck_.integer(block, 2, end, r).value, IdKind::node);
-      if (first == 0 && last == 0) continue;
-      const std::vector<std::int64_t>& labels = out_.mesh.node_labels;
-      for (std::size_t n = 0; n < labels.size(); ++n)  // numbers of the range that are no nodes are skipped
-        if (labels[n] >= first && labels[n] <= last) nodes.push_back(static_cast<std::int32_t>(n));
-    }
   }
   keep_node_set(block, id, title, std::move(nodes));
+}
+
+std::vector<IdRange> MeshBuilder::ranges_of(const Block& block, IdKind kind) {
+  const Transform& transform = deck_.transform_of(block);
+  std::vector<IdRange> all, apart;
+  for (std::size_t r = 0; r < deck_.n_repeats(block); ++r)
+    for (const auto& [begin, end] : range_fields) {
+      const Field<std::int64_t> first = deck_.integer(block, 2, begin, r), last = deck_.integer(block, 2, end, r);
+      if (first.value == 0 && last.value == 0) continue;
+      if (last.value < first.value)
+        errors_.error(last.place, "ranges of sets",
+                      fmt::format("*{}: a range goes from {} to {}; expected an end that is not below the beginning",
+                                  block.written, first.value, last.value));
+      else
+        all.push_back({transform.id(first.value, kind), transform.id(last.value, kind)});
+    }
+  std::sort(all.begin(), all.end(), [](const IdRange& a, const IdRange& b) { return a.first < b.first; });
+  for (const IdRange& range : all)
+    if (apart.empty() || range.first > apart.back().last)
+      apart.push_back(range);
+    else
+      apart.back().last = std::max(apart.back().last, range.last);
+  return apart;
+}
+
+// Numbers of a range that are no nodes are skipped.
+void MeshBuilder::add_nodes(const std::vector<IdRange>& ranges, std::vector<std::int32_t>& nodes) {
+  if (nodes_by_label_.empty()) {
+    for (std::size_t n = 0; n < out_.mesh.node_labels.size(); ++n)
+      nodes_by_label_.emplace_back(out_.mesh.node_labels[n], static_cast<std::int32_t>(n));
+    std::sort(nodes_by_label_.begin(), nodes_by_label_.end());
+  }
+  for (const IdRange& range : ranges) {
+    auto node = std::lower_bound(nodes_by_label_.begin(), nodes_by_label_.end(), std::pair{range.first, 0});
+    for (; node != nodes_by_label_.end() && node->first <= range.last; ++node) nodes.push_back(node->second);
+  }
+}
+
+void MeshBuilder::add_labels(const std::vector<IdRange>& ranges, bool of_parts, std::vector<std::int64_t>& labels) {
+  std::vector<std::int64_t> parts;
+  if (of_parts) {
+    for (const DeckPart& part : out_.parts) parts.push_back(part.id);
+    std::sort(parts.begin(), parts.end());
+  } else if (cells_by_label_.empty()) {
+    cells_by_label_ = out_.mesh.cell_labels;
+    std::sort(cells_by_label_.begin(), cells_by_label_.end());
+  }
+  const std::vector<std::int64_t>& known = of_parts ? parts : cells_by_label_;
+  for (const IdRange& range : ranges)
+    labels.insert(labels.end(), std::lower_bound(known.begin(), known.end(), range.first),
+                  std::upper_bound(known.begin(), known.end(), range.last));
 }
 
 void MeshBuilder::add_nodes_of_part(std::int64_t part, std::vector<std::int32_t>& nodes) const {
@@ -230,32 +276,24 @@ void MeshBuilder::read_id_set(const Block& block, std::int64_t id, const std::st
   const bool parts = block.base().rfind("SET_PART", 0) == 0, adds = block.base() == "SET_PART_ADD";
   std::vector<DeckIdSet>& sets = parts ? out_.part_sets : out_.solid_sets;
   DeckIdSet set{id, title, {}, deck_.place_of(block)};
-  std::vector<std::int64_t> known;  // what a range may name
-  for (const DeckPart& part : out_.parts)
-    if (parts) known.push_back(part.id);
-  if (!parts) known = out_.mesh.cell_labels;
+  std::unordered_map<std::int64_t, std::size_t>& set_of_id = parts ? part_set_of_id_ : solid_set_of_id_;
   const IdKind kind = parts ? IdKind::part : IdKind::element;
-  for (std::size_t r = 0; r < deck_.n_repeats(block); ++r) {
-    if (block.base().find("GENERATE") != std::string::npos) {
-      for (const auto& [begin, end] : ranges) {
-        const std::int64_t first = transform.id(deck_.integer(block, 2, begin, r).value, kind);
-        const std::int64_t last = transform.id(deck_.integer(block, 2, end, r).value, kind);
-        for (const std::int64_t label : known)
-          if (first != 0 && label >= first && label <= last) set.ids.push_back(label);
-      }
-      continue;
-    }
+  const bool generates = block.base().find("GENERATE") != std::string::npos;
+  if (generates) add_labels(ranges_of(block, kind), parts, set.ids);
+  for (std::size_t r = 0; r < deck_.n_repeats(block) && !generates; ++r) {
     const char* stem = adds ? "psid" : parts ? "pid" : "k";
     for (int k = 1; k <= 8; ++k) {
       const Field<std::int64_t> member = deck_.integer(block, 2, fmt::format("{}{}", stem, k), r);
       if (member.value == 0) continue;
       const std::int64_t label = transform.id(member.value, adds ? IdKind::set : kind);
       if (adds) {
-        const auto other = std::find_if(sets.begin(), sets.end(), [&](const DeckIdSet& s) { return s.id == label; });
-        if (other == sets.end())
+        const auto other = set_of_id.find(label);
+        if (other == set_of_id.end()) {
           errors_.error(member.place, "sets", fmt::format("part set {} is not defined above", label));
-        else
-          set.ids.insert(set.ids.end(), other->ids.begin(), other->ids.end());
+          continue;
+        }
+        const std::vector<std::int64_t>& members = sets[other->second].ids;
+        set.ids.insert(set.ids.end(), members.begin(), members.end());
       } else if (parts && declares_parts_ && part_of_id_.count(label) == 0) {
         errors_.error(member.place, "parts of sets",
                       fmt::format("*{} names part {}, which is not defined", block.written, label));
@@ -265,13 +303,12 @@ void MeshBuilder::read_id_set(const Block& block, std::int64_t id, const std::st
     }
   }
   sort_once(set.ids);
-  const auto twice = std::find_if(sets.begin(), sets.end(), [&](const DeckIdSet& s) { return s.id == id; });
-  if (twice == sets.end()) {
-    sets.push_back(std::move(set));
-  } else if (block.has_option("COLLECT")) {
-    twice->ids.insert(twice->ids.end(), set.ids.begin(), set.ids.end());
-    sort_once(twice->ids);
-  }
+  const auto [known, is_new] = set_of_id.emplace(id, sets.size());
+  if (is_new) return sets.push_back(std::move(set));
+  if (!block.has_option("COLLECT")) return;  // check_set_ids has complained
+  DeckIdSet& first = sets[known->second];
+  first.ids.insert(first.ids.end(), set.ids.begin(), set.ids.end());
+  sort_once(first.ids);
 }
 
 }  // namespace kerf::decks

@@ -85,9 +85,10 @@ const std::string four_nodes =
 
 TEST(DeckIds, of_sets_occur_once_in_whatever_form_they_are_written) {
   const std::string list = "*SET_NODE_LIST\n         1\n         1         2\n";
-  for (const char* other : {"*SET_NODE_LIST_TITLE\nagain\n         1\n         3\n",
-                            "*SET_NODE_LIST_GENERATE\n         1\n         3\n", "*SET_NODE_GENERAL\n         1\nALL\n",
-                            "*SET_NODE_ADD\n         1\n         1\n", "*SET_NODE_COLUMN\n         1\n         3\n"})
+  for (const char* other :
+       {"*SET_NODE_LIST_TITLE\nagain\n         1\n         3\n",
+        "*SET_NODE_LIST_GENERATE\n         1\n         3         4\n", "*SET_NODE_GENERAL\n         1\nALL\n",
+        "*SET_NODE_ADD\n         1\n         1\n", "*SET_NODE_COLUMN\n         1\n         3\n"})
     EXPECT_THAT(
         errors_of(four_nodes + list + other),
         ElementsAre(EndsWith("error: node set 1 is defined twice; first at kerf_references.k:9:1; only sets with "
@@ -116,6 +117,23 @@ TEST(DeckSets, of_segments_are_put_together_with_collect) {
   EXPECT_THAT(d.errors(), ElementsAre());
   ASSERT_EQ(mesh.mesh.face_sets.size(), 1u);
   EXPECT_EQ(mesh.mesh.face_sets[0].faces, (std::vector<std::array<std::int32_t, 4>>{{0, 1, 2, 3}, {3, 2, 1, 0}}));
+}
+
+TEST(DeckSets, of_ranges_hold_what_lies_in_them) {
+  const fs::path path = fs::path(testing::TempDir()) / "kerf_ranges.k";
+  std::ofstream(path) << "*KEYWORD\n*NODE\n      40\n      10\n      30\n      20\n"
+                         "*SET_NODE_LIST_GENERATE\n         1\n        25        99         1        10         9"
+                         "        12        30        30\n"
+                         "*SET_NODE_LIST_GENERATE\n         2\n        11        19\n"
+                         "*SET_NODE_LIST_GENERATE\n         3\n        30        20         0         0        20\n";
+  Diagnostics d;
+  const DeckMesh mesh = read_mesh(read_deck(path.string(), {}, d), d);
+  ASSERT_EQ(mesh.mesh.node_sets.size(), 3u);
+  EXPECT_THAT(mesh.mesh.node_sets[0].nodes, ElementsAre(0, 1, 2));
+  EXPECT_THAT(mesh.mesh.node_sets[1].nodes, ElementsAre());
+  EXPECT_THAT(d.errors(), ElementsAre(HasSubstr(":15:11: error: *SET_NODE_LIST_GENERATE: a range goes from 30 to 20; "
+                                                "expected an end that is not below the beginning"),
+                                      HasSubstr(":15:51: error: *SET_NODE_LIST_GENERATE: a range goes from 20 to 0")));
 }
 
 const std::string brick =
