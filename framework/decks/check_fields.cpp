@@ -14,7 +14,7 @@ class BlockCheck {
   BlockCheck(const Deck& deck, const Block& block, DeckErrors& errors) : deck_(deck), block_(block), errors_(errors) {}
 
   void check() {
-    const Deck::Layout layout = deck_.layout(block_);
+    const CardLayout& layout = block_.layout;
     if (block_.n_cards == 0) {
       errors_.error(deck_.place_of(block_), "keywords without cards",
                     fmt::format("*{} needs a card; the next keyword follows at once", block_.written));

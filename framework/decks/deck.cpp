@@ -53,8 +53,8 @@ Origin Deck::origin(const Place& place) const {
   return {sources_[at(place.source)].name, place.line, place.column};
 }
 
-Deck::Layout Deck::layout(const Block& block) const {
-  Layout layout;
+CardLayout Deck::layout_of(const Block& block) const {
+  CardLayout layout;
   if (!block.name.spec) return layout;
   const KeywordSpec& spec = *block.name.spec;
   const bool titled = block.has_option("TITLE") && spec.has(CardWhen::title);
@@ -80,16 +80,18 @@ Deck::Layout Deck::layout(const Block& block) const {
   return layout;
 }
 
-std::size_t Deck::n_repeats(const Block& block) const {
-  const Layout l = layout(block);
+void Deck::arrange(Block& block) const {
+  block.layout = layout_of(block);
+  block.n_repeats = 0;
+  const std::size_t n_top = block.layout.top.size(), n_group = block.layout.group.size();
+  if (n_group == 0) return;
   std::size_t n = block.n_cards;
-  while (n > l.top.size() && is_blank(cards_of(block)[n - 1].view())) --n;
-  if (l.group.empty() || n <= l.top.size()) return 0;
-  return (n - l.top.size() + l.group.size() - 1) / l.group.size();
+  while (n > n_top && is_blank(cards_of(block)[n - 1].view())) --n;
+  if (n > n_top) block.n_repeats = (n - n_top + n_group - 1) / n_group;
 }
 
 const Card* Deck::card(const Block& block, int number, std::size_t repeat) const {
-  const Layout l = layout(block);
+  const CardLayout& l = block.layout;
   const auto is_it = [&](const CardSpec* card) { return card->number == number; };
   const auto in_top = std::find_if(l.top.begin(), l.top.end(), is_it);
   auto index = static_cast<std::size_t>(in_top - l.top.begin());

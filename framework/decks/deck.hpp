@@ -33,6 +33,11 @@ struct Source {
   CardFormat format = CardFormat::standard;
 };
 
+/// The cards of the table that stand above one another in a block: those at the top, then the group that repeats.
+struct CardLayout {
+  std::vector<const CardSpec*> top, group;
+};
+
 /// A keyword and the cards below it.
 struct Block {
   std::string written;  // "SET_NODE_LIST_TITLE", in upper case
@@ -41,6 +46,8 @@ struct Block {
   CardFormat format = CardFormat::standard;
   std::int32_t source = 0, line = 0, order = 0;
   std::size_t first_card = 0, n_cards = 0;
+  CardLayout layout;
+  std::size_t n_repeats = 0;
   bool has_option(std::string_view option) const;
   const std::string& base() const { return name.base; }
 };
@@ -80,12 +87,7 @@ class Deck {
   const Card* card(const Block& block, int number, std::size_t repeat = 0) const;
   /// How many groups of repeating cards there are, incomplete ones too. Blank cards at the end of a block count for
   /// none.
-  std::size_t n_repeats(const Block& block) const;
-  /// The cards of the table that stand above one another in this block: those at the top, then the group that repeats.
-  struct Layout {
-    std::vector<const CardSpec*> top, group;
-  };
-  Layout layout(const Block& block) const;
+  std::size_t n_repeats(const Block& block) const { return block.n_repeats; }
 
   /// The value of a field of the table. Text that is no value is the default: check_fields has complained of it.
   /// Pre: the table has the field.
@@ -106,6 +108,9 @@ class Deck {
 
  private:
   friend class DeckReader;
+  /// Lays the cards of the table over those of a block. To be called again where the cards of the block change.
+  void arrange(Block& block) const;
+  CardLayout layout_of(const Block& block) const;
   static std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
   /// What a field that begins with `&` or `<` stands for.
   std::string read_reference(const Block& block, const FieldText& text, DeckNumber& value, Place& place) const;

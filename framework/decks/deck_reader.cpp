@@ -115,6 +115,7 @@ bool DeckReader::start_block(std::int32_t source, std::string_view line, std::in
 
 void DeckReader::finish_block() {
   in_block_ = false;
+  deck_.arrange(deck_.blocks_.back());
   Block block = deck_.blocks_.back();
   const std::string& base = block.base();
   if (base == "CASE_BEGIN" || base == "CASE_END") return open_or_close_case(block);

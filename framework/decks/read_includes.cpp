@@ -150,6 +150,7 @@ void DeckReader::read_include_transform(const Block& block) {
   Block cards = block;  // the last line of the name is the first card of the table
   cards.first_card += name.n_cards - 1;
   cards.n_cards -= name.n_cards - 1;
+  deck_.arrange(cards);
   include(block, name, transform_of(cards));
 }
 
