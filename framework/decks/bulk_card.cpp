@@ -37,16 +37,25 @@ bool BulkCard::take(const Card& card) {
       start = end + 1;
     }
     if (start < text.size() && !kerf::decks::is_blank(text.substr(start)))
-      complain(names_.size() - 1, {block_.source, line_, static_cast<std::int32_t>(start) + 1},
+      complain({block_.source, line_, static_cast<std::int32_t>(start) + 1},
                fmt::format("this card takes {} values; here is one more", names_.size()));
     return !bad_;
   }
   if (const std::int32_t tab = tab_column(text); tab > 0) {
-    complain(0, {block_.source, line_, tab}, "a tab character in a card of fixed columns; blanks or commas are needed");
+    complain({block_.source, line_, tab}, "a tab character in a card of fixed columns; blanks or commas are needed");
     return false;
   }
   for (std::size_t k = 0; k < names_.size(); ++k) text_[k] = fixed_field(text, column_[k], width_[k]);
   return true;
+}
+
+template <class Value>
+Value BulkCard::value_of(std::size_t field) {
+  Value value{};
+  Place where = place(field);
+  if (const FieldMistake mistake = deck_.read(block_, text_[field], value, where))
+    complain(where, mistake.message_about(names_[field], text_[field]));
+  return value;
 }
 
 std::int64_t BulkCard::integer(std::size_t field) {
@@ -59,20 +68,13 @@ std::int64_t BulkCard::integer(std::size_t field) {
     value = 10 * (plain ? value : 0) + (c - '0');
   }
   if (plain) return value;
-  Place where = place(field);
-  value = 0;
-  const std::string wrong = deck_.read_integer(block_, text_[field], value, where);
-  if (!wrong.empty()) complain(field, where, wrong);
-  return value;
+  return value_of<std::int64_t>(field);
 }
 
 double BulkCard::real(std::size_t field) {
   double value = 0.0;
   if (text_[field].text.empty() || read_deck_real(text_[field].text, value)) return value;
-  Place where = place(field);
-  const std::string wrong = deck_.read_real(block_, text_[field], value, where);
-  if (!wrong.empty()) complain(field, where, wrong);
-  return value;
+  return value_of<double>(field);
 }
 
 bool BulkCard::is_blank_from(std::size_t field) const {
@@ -81,14 +83,9 @@ bool BulkCard::is_blank_from(std::size_t field) const {
   return true;
 }
 
-void BulkCard::complain(std::size_t field, const Place& place, const std::string& wrong) {
+void BulkCard::complain(const Place& place, const std::string& message) {
   bad_ = true;
-  const bool of_text = wrong.front() == '"' || wrong.rfind("holds two", 0) == 0;
-  const std::int32_t first = text_[field].column, width = text_[field].width;
-  const std::string columns = width > 0 ? fmt::format(" (columns {}-{})", first, first + width - 1) : "";
-  errors_.error(
-      place, "values of nodes and elements",
-      of_text ? fmt::format("field {}{}{} {}", names_[field], columns, wrong.front() == '"' ? ":" : "", wrong) : wrong);
+  errors_.error(place, "values of nodes and elements", message);
 }
 
 }  // namespace kerf::decks

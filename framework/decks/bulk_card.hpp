@@ -31,7 +31,10 @@ class BulkCard {
   bool is_blank_from(std::size_t field) const;
 
  private:
-  void complain(std::size_t field, const Place& place, const std::string& wrong);
+  /// Reads what is no plain number.
+  template <class Value>
+  Value value_of(std::size_t field);
+  void complain(const Place& place, const std::string& message);
 
   const Deck& deck_;
   const Block& block_;

@@ -148,4 +148,15 @@ std::string to_utf8(std::string_view text) {
   return utf8;
 }
 
+std::string printable(std::string_view text) {
+  std::string line = to_utf8(text);
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  return line;
+}
+
+std::string shortened(std::string_view text) { return printable(text.substr(0, 40)); }
+
+std::string quoted(std::string_view text) { return "\"" + shortened(text) + "\""; }
+
 }  // namespace kerf::decks

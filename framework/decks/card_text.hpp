@@ -51,4 +51,10 @@ bool read_deck_integer(std::string_view text, std::int64_t& value);
 /// The text as UTF-8: bytes that are no UTF-8 are taken for Latin-1.
 std::string to_utf8(std::string_view text);
 
+/// Text of a deck for a message: one line of UTF-8 without control characters.
+std::string printable(std::string_view text);
+/// The first forty bytes of it, and the same in quotes.
+std::string shortened(std::string_view text);
+std::string quoted(std::string_view text);
+
 }  // namespace kerf::decks

@@ -6,8 +6,6 @@
 namespace kerf::decks {
 namespace {
 
-std::string upper(const std::string& text) { return upper_case(text); }
-
 /// Checks the cards of one block against its table.
 class BlockCheck {
  public:
@@ -60,18 +58,11 @@ class BlockCheck {
     Place place{block_.source, card.line, text.column};
     double real = 0.0;
     std::int64_t integer = 0;
-    const std::string wrong = field.type == FieldType::real ? deck_.read_real(block_, text, real, place)
-                                                            : deck_.read_integer(block_, text, integer, place);
-    if (wrong.empty()) return true;
-    const bool two_values = wrong.rfind("holds two", 0) == 0;
-    const bool of_text = wrong.front() == '"';
-    const std::string columns =
-        text.width > 0 ? fmt::format(" (columns {}-{})", text.column, text.column + text.width - 1) : "";
-    errors_.error(place, "values that are no numbers",
-                  two_values || of_text
-                      ? fmt::format("field {}{}{} {}", upper(field.name), columns, two_values ? "" : ":", wrong)
-                      : wrong);
-    return !two_values;
+    const FieldMistake mistake = field.type == FieldType::real ? deck_.read(block_, text, real, place)
+                                                               : deck_.read(block_, text, integer, place);
+    if (!mistake) return true;
+    errors_.error(place, "values that are no numbers", mistake.message_about(field.name, text));
+    return mistake.kind != FieldMistake::Kind::two_values;
   }
 
   /// Values beyond the fields of a comma card would be lost.

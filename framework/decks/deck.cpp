@@ -21,28 +21,21 @@ bool is_reference(std::string_view text) {
   return text.size() > 1 && text[0] == '&' && is_parameter_letter(text[1]);
 }
 
-std::string quoted(std::string_view text) {
-  std::string shown = to_utf8(text.substr(0, 40));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  return "\"" + shown + "\"";
-}
-
-/// A message in one line of UTF-8, whatever bytes of the deck it quotes.
-std::string in_one_line(const std::string& message) {
-  std::string line = to_utf8(message);
-  for (char& c : line)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  return line;
-}
-
-std::string no_number(std::string_view text) {
-  const std::size_t blank = text.find(' ');
-  if (blank == std::string_view::npos) return fmt::format("{} is no number", quoted(text));
-  return fmt::format("holds two values, {}: values stand in fixed columns or are separated by commas", quoted(text));
+FieldMistake no_number(std::string_view text) {
+  if (text.find(' ') == std::string_view::npos)
+    return {FieldMistake::Kind::of_value, fmt::format("{} is no number", quoted(text))};
+  return {FieldMistake::Kind::two_values,
+          fmt::format("holds two values, {}: values stand in fixed columns or are separated by commas", quoted(text))};
 }
 
 }  // namespace
+
+std::string FieldMistake::message_about(std::string_view field, const FieldText& text) const {
+  if (kind == Kind::of_parameter) return message;
+  const std::string columns =
+      text.width > 0 ? fmt::format(" (columns {}-{})", text.column, text.column + text.width - 1) : "";
+  return fmt::format("field {}{}{} {}", upper_case(field), columns, kind == Kind::of_value ? ":" : "", message);
+}
 
 bool Block::has_option(std::string_view option) const {
   return std::find(name.options.begin(), name.options.end(), option) != name.options.end();
@@ -125,29 +118,25 @@ Place place_of_field(const Deck& deck, const Block& block, int number, std::size
 
 }  // namespace
 
-Field<double> Deck::real(const Block& block, int number, std::string_view name, std::size_t repeat) const {
+template <class Value>
+Field<Value> Deck::number(const Block& block, int number, std::string_view name, std::size_t repeat) const {
   const FieldSpec* spec = nullptr;
   const FieldText text = field_text(block, number, name, repeat, &spec);
-  Field<double> field{spec->number, false, place_of_field(*this, block, number, repeat, text)};
-  double value = 0.0;
-  if (!text.text.empty() && read_real(block, text, value, field.place).empty()) {
+  Field<Value> field{static_cast<Value>(spec->number), false, place_of_field(*this, block, number, repeat, text)};
+  Value value{};
+  if (!text.text.empty() && !read(block, text, value, field.place)) {
     field.value = value;
     field.given = true;
   }
   return field;
 }
 
-Field<std::int64_t> Deck::integer(const Block& block, int number, std::string_view name, std::size_t repeat) const {
-  const FieldSpec* spec = nullptr;
-  const FieldText text = field_text(block, number, name, repeat, &spec);
-  Field<std::int64_t> field{static_cast<std::int64_t>(spec->number), false,
-                            place_of_field(*this, block, number, repeat, text)};
-  std::int64_t value = 0;
-  if (!text.text.empty() && read_integer(block, text, value, field.place).empty()) {
-    field.value = value;
-    field.given = true;
-  }
-  return field;
+Field<double> Deck::real(const Block& block, int card, std::string_view field, std::size_t repeat) const {
+  return number<double>(block, card, field, repeat);
+}
+
+Field<std::int64_t> Deck::integer(const Block& block, int card, std::string_view field, std::size_t repeat) const {
+  return number<std::int64_t>(block, card, field, repeat);
 }
 
 Field<std::string> Deck::text(const Block& block, int number, std::string_view name, std::size_t repeat) const {
@@ -172,7 +161,7 @@ Field<std::int64_t> Deck::first_field(const Block& block) const {
   const FieldText field =
       commas ? comma_fields(card.view())[0] : fixed_field(card.view(), 1, block.format == CardFormat::wide ? 20 : 10);
   Place place{block.source, card.line, field.column};
-  if (field.text.empty() || !read_integer(block, field, id.value, place).empty()) return {0, false, place};
+  if (field.text.empty() || read(block, field, id.value, place)) return {0, false, place};
   return {id.value, true, place};
 }
 
@@ -192,11 +181,12 @@ Asker Deck::asker(const Block& block) const {
   return asker;
 }
 
-std::string Deck::read_reference(const Block& block, const FieldText& text, DeckNumber& value, Place& place) const {
+FieldMistake Deck::read_reference(const Block& block, const FieldText& text, DeckNumber& value, Place& place) const {
   std::string_view inner = text.text;
   std::int32_t skipped = 0;
   if (inner.front() == '<') {
-    if (inner.back() != '>') return fmt::format("{} begins an expression that no `>` ends", quoted(inner));
+    if (inner.back() != '>')
+      return {FieldMistake::Kind::of_value, fmt::format("{} begins an expression that no `>` ends", quoted(inner))};
     inner = inner.substr(1, inner.size() - 2);
     skipped = 1;
   }
@@ -209,30 +199,29 @@ std::string Deck::read_reference(const Block& block, const FieldText& text, Deck
     if (text.text.data() < card.text || text.text.data() >= card.text + card.length) continue;
     place.column = static_cast<std::int32_t>(text.text.data() - card.text) + 1 + skipped + result.offset;
   }
-  return result.error;
+  return {FieldMistake::Kind::of_parameter, result.error};
 }
 
-std::string Deck::read_real(const Block& block, const FieldText& text, double& value, Place& place) const {
+FieldMistake Deck::read(const Block& block, const FieldText& text, double& value, Place& place) const {
   if (read_deck_real(text.text, value)) return {};
   if (!is_reference(text.text)) return no_number(text.text);
   DeckNumber number;
-  std::string error = read_reference(block, text, number, place);
+  const FieldMistake mistake = read_reference(block, text, number, place);
   value = number.real;
-  return error;
+  return mistake;
 }
 
-std::string Deck::read_integer(const Block& block, const FieldText& text, std::int64_t& value, Place& place) const {
+FieldMistake Deck::read(const Block& block, const FieldText& text, std::int64_t& value, Place& place) const {
   if (read_deck_integer(text.text, value)) return {};
   DeckNumber number;
   if (is_reference(text.text)) {
-    std::string error = read_reference(block, text, number, place);
-    if (!error.empty()) return error;
+    if (const FieldMistake mistake = read_reference(block, text, number, place)) return mistake;
   } else if (!read_deck_real(text.text, number.real)) {
     return no_number(text.text);
   }
   value = static_cast<std::int64_t>(std::clamp(number.real, -9e15, 9e15));
   if (static_cast<double>(value) == number.real) return {};
-  return fmt::format("{} is {}, not an integer", quoted(text.text), number.real);
+  return {FieldMistake::Kind::of_value, fmt::format("{} is {}, not an integer", quoted(text.text), number.real)};
 }
 
 DeckErrors::~DeckErrors() {
@@ -249,13 +238,13 @@ DeckErrors::~DeckErrors() {
 void DeckErrors::error(const Place& place, std::string_view kind, const std::string& message) {
   Count& count = errors_[kind];
   count.last = place;
-  if (++count.n <= most_errors_of_a_kind) diagnostics_.error(deck_.origin(place), in_one_line(message));
+  if (++count.n <= most_errors_of_a_kind) diagnostics_.error(deck_.origin(place), printable(message));
 }
 
 void DeckErrors::warning(const Place& place, std::string_view kind, const std::string& message) {
   Count& count = warnings_[kind];
   count.last = place;
-  if (++count.n <= most_errors_of_a_kind) diagnostics_.warning(deck_.origin(place), in_one_line(message));
+  if (++count.n <= most_errors_of_a_kind) diagnostics_.warning(deck_.origin(place), printable(message));
 }
 
 }  // namespace kerf::decks

@@ -60,6 +60,21 @@ struct Field {
   Place place;
 };
 
+/// What is wrong with the text of a field; nothing where `kind` is `none`.
+struct FieldMistake {
+  enum class Kind : std::uint8_t {
+    none,
+    of_value,  // the message begins with the text
+    two_values,  // in one field: the fields behind it cannot be trusted either
+    of_parameter  // or of an expression: the message does not need the name of the field
+  };
+  Kind kind = Kind::none;
+  std::string message;
+  explicit operator bool() const { return kind != Kind::none; }
+  /// The message with the name of the field and its columns.
+  std::string message_about(std::string_view field, const FieldText& text) const;
+};
+
 struct DeckOptions {
   int case_number = 0;  // 0: no case, blocks of *CASE are left out
   bool unknown_is_left_out = false;  // warn of keywords of other physics, in place of errors
@@ -101,9 +116,9 @@ class Deck {
   /// The heading of a block with _TITLE or _ID, as UTF-8; empty where there is none.
   std::string heading(const Block& block, std::size_t repeat = 0) const;
 
-  /// Reads the text of a field. Returns what is wrong with it, or nothing.
-  std::string read_real(const Block& block, const FieldText& text, double& value, Place& place) const;
-  std::string read_integer(const Block& block, const FieldText& text, std::int64_t& value, Place& place) const;
+  /// Reads the text of a field. `place` becomes that of a mistake.
+  FieldMistake read(const Block& block, const FieldText& text, double& value, Place& place) const;
+  FieldMistake read(const Block& block, const FieldText& text, std::int64_t& value, Place& place) const;
   Asker asker(const Block& block) const;
 
  private:
@@ -113,7 +128,9 @@ class Deck {
   CardLayout layout_of(const Block& block) const;
   static std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
   /// What a field that begins with `&` or `<` stands for.
-  std::string read_reference(const Block& block, const FieldText& text, DeckNumber& value, Place& place) const;
+  FieldMistake read_reference(const Block& block, const FieldText& text, DeckNumber& value, Place& place) const;
+  template <class Value>
+  Field<Value> number(const Block& block, int card, std::string_view field, std::size_t repeat) const;
   FieldText field_text(const Block& block, int card, std::string_view field, std::size_t repeat,
                        const FieldSpec** spec) const;
 

@@ -10,14 +10,6 @@
 namespace kerf::decks {
 namespace {
 
-/// Text of the user for a message: at most forty bytes, without control characters.
-std::string shown(std::string_view text) {
-  std::string safe = to_utf8(text.substr(0, 40));
-  for (char& c : safe)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  return safe;
-}
-
 int whole(std::string_view text) {
   int value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -129,7 +121,7 @@ void DeckReader::finish_block() {
   if (block.name.use == KeywordUse::unknown) {
     const std::string near = nearest_keyword(block.base()), physics = physics_of_group(block.base());
     const std::string message =
-        fmt::format("unknown keyword *{}{}", shown(block.written),
+        fmt::format("unknown keyword *{}{}", shortened(block.written),
                     !physics.empty() ? fmt::format(": its group is about {}, which Kerf does not compute", physics)
                     : near.empty()   ? "; no keyword of this name is known"
                                      : "; did you mean *" + near + "?");
@@ -161,7 +153,7 @@ void DeckReader::read_keyword(Block& block) {
     if (value != 'Y' && value != 'S' && value != 'K' && value != 'N')
       errors_.error(
           deck_.place_of(block), "formats",
-          fmt::format("\"{}\" is no format of *KEYWORD; expected LONG=Y, LONG=S or LONG=K", shown(block.rest)));
+          fmt::format("\"{}\" is no format of *KEYWORD; expected LONG=Y, LONG=S or LONG=K", shortened(block.rest)));
   }
   if (block.rest.find("I10=Y") != std::string::npos) source->format = CardFormat::i10;
 }
@@ -180,7 +172,7 @@ void DeckReader::read_case(const Block& block) {
   const int id = whole(number);
   if (id == 0) {
     errors_.error({block.source, card_of(block, 0).line, 1}, "cases",
-                  fmt::format("\"{}\" is no number of a case", shown(number)));
+                  fmt::format("\"{}\" is no number of a case", shortened(number)));
     return;
   }
   seen_cases_.insert(id);
@@ -200,7 +192,7 @@ void DeckReader::open_or_close_case(const Block& block) {
   const bool begins = block.base() == "CASE_BEGIN";
   const int number = number_at_end(block.written);
   const Place place = deck_.place_of(block);
-  if (number == 0) return errors_.error(place, "cases", fmt::format("*{} has no number", shown(block.written)));
+  if (number == 0) return errors_.error(place, "cases", fmt::format("*{} has no number", shortened(block.written)));
   if (begins && open_case_ > 0)
     errors_.error(place, "cases", fmt::format("case {} begins within case {}", number, open_case_));
   if (!begins && open_case_ != number)

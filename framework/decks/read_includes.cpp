@@ -164,10 +164,10 @@ Transform DeckReader::transform_of(const Block& block) {
     Place place{block.source, raw->line, text.column};
     double real = 0.0;
     std::int64_t integer = 0;
-    const std::string wrong = text.text.empty()         ? ""
-                              : type == FieldType::real ? deck_.read_real(block, text, real, place)
-                                                        : deck_.read_integer(block, text, integer, place);
-    if (!wrong.empty()) errors_.error(place, "includes", fmt::format("field {}: {}", upper_case(name), wrong));
+    if (text.text.empty()) return;
+    const FieldMistake mistake =
+        type == FieldType::real ? deck_.read(block, text, real, place) : deck_.read(block, text, integer, place);
+    if (mistake) errors_.error(place, "includes", fmt::format("field {}: {}", upper_case(name), mistake.message));
   };
   const std::pair<int, const char*> offsets[] = {{2, "idnoff"}, {2, "ideoff"}, {2, "idpoff"}, {2, "idmoff"},
                                                  {2, "idsoff"}, {2, "idfoff"}, {2, "iddoff"}, {3, "idroff"}};

@@ -84,7 +84,7 @@ void DeckReader::define(const Block& block, const FieldText& name, const FieldTe
     wrong = result.error;
     at_value.column += result.offset;
   } else {
-    wrong = deck_.read_real(asking, value, parameter.value.real, at_value);
+    wrong = deck_.read(asking, value, parameter.value.real, at_value).message;
   }
   if (!wrong.empty()) return errors_.error(at_value, kind, fmt::format("parameter {}: {}", bare, wrong));
   if (parameter.type == 'I' && expression) parameter.value.real = std::trunc(parameter.value.real);
