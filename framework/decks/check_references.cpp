@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -139,7 +140,8 @@ class References {
     if (field.value > 0) return check_id(block, reference.kind, field, repeat);
     if (field.value < 0 && reference.may_be_negative) {
       if (reference.negative_kind.empty()) return;
-      return check_id(block, reference.negative_kind, {-field.value, field.given, field.place}, repeat);
+      const std::int64_t id = -std::max(field.value, -std::numeric_limits<std::int64_t>::max());
+      return check_id(block, reference.negative_kind, {id, field.given, field.place}, repeat);
     }
     const bool is_missing = field.value == 0 && reference.required && is_needed(block, repeat) &&
                             !is_unreadable(block, card.number, spec.name, repeat);

@@ -65,6 +65,10 @@ struct DeckMesh {
 /// deck. Mistakes go to `diagnostics`: ids that occur twice or are not defined, volumes that are not positive. Local.
 DeckMesh read_mesh(const Deck& deck, Diagnostics& diagnostics);
 
+/// Whether `base` is a form of sets that read_mesh reads: "SET_NODE_LIST", not "SET_NODE_COLUMN". The ids of the others
+/// are known, so that check_references tells of them where something names them.
+bool is_read_set(const std::string& base);
+
 /// Ids that fields name but nothing defines: materials, sections, curves, sets, parts; curves whose abscissae do not
 /// increase; and a missing end time. Local.
 void check_references(const Deck& deck, const DeckMesh& mesh, Diagnostics& diagnostics);

@@ -71,7 +71,7 @@ void DeckReader::define(const Block& block, const FieldText& name, const FieldTe
   if ((parameter.type != 'R' && parameter.type != 'I' && parameter.type != 'C') || !is_name(bare))
     return errors_.error(at_name, kind,
                          fmt::format("\"{}\" is no parameter; expected R, I or C and a name of letters and digits",
-                                     to_utf8(name.text.substr(0, 40))));
+                                     shortened(name.text)));
   if (value.text.empty()) return errors_.error(at_name, kind, fmt::format("parameter {} has no value", bare));
   Block asking = block;
   asking.order = order_;  // it sees the definitions above in the same block

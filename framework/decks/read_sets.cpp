@@ -18,14 +18,6 @@ void sort_once(std::vector<Value>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-bool is_read_set(const std::string& base) {
-  for (const char* name :
-       {"SET_NODE_LIST", "SET_NODE_LIST_GENERATE", "SET_NODE_GENERAL", "SET_NODE_ADD", "SET_PART_LIST",
-        "SET_PART_LIST_GENERATE", "SET_PART_ADD", "SET_SOLID", "SET_SOLID_GENERATE", "SET_SEGMENT"})
-    if (base == name) return true;
-  return false;
-}
-
 /// The kinds of sets that the reader knows. Each has ids of its own.
 const char* kind_of_set(const std::string& base) {
   for (const auto& [stem, kind] : {std::pair{"SET_NODE", "node"}, std::pair{"SET_PART", "part"},
@@ -35,6 +27,14 @@ const char* kind_of_set(const std::string& base) {
 }
 
 }  // namespace
+
+bool is_read_set(const std::string& base) {
+  for (const char* name :
+       {"SET_NODE_LIST", "SET_NODE_LIST_GENERATE", "SET_NODE_GENERAL", "SET_NODE_ADD", "SET_PART_LIST",
+        "SET_PART_LIST_GENERATE", "SET_PART_ADD", "SET_SOLID", "SET_SOLID_GENERATE", "SET_SEGMENT"})
+    if (base == name) return true;
+  return false;
+}
 
 // Sets in forms that are not read count too: what names such an id must not get another set.
 void MeshBuilder::check_set_ids() {

@@ -79,7 +79,7 @@ class Judge {
   Fate fate_of(const Block& block) {
     const KeywordRule* rule = rule_of(block.base());
     const Origin here = low_.deck.origin(low_.deck.place_of(block));
-    if (is_set(block.base())) return Fate::done;
+    if (is_set(block.base())) return decks::is_read_set(block.base()) ? Fate::done : Fate::without_effect;
     if (is_mesh_of_others(block)) return Fate::refused;
     if (const Fate unused = of_unused(block); unused != Fate::done) return unused;
     if (!rule) return of_unruled(block, here);

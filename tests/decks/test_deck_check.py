@@ -120,3 +120,45 @@ def test_rigid_materials_are_refused_at_their_place():
     lines = (DECKS / "13_rigid_ball" / "rigid_ball.k").read_text().splitlines()
     line = lines.index("*MAT_RIGID_TITLE") + 1
     assert f"rigid_ball.k:{line}:1: error: *MAT_RIGID_TITLE of part 2 has no law" in done.stderr
+
+
+def one_element_with(cards, folder):
+    """`kerf check` of the deck of one element with cards before its part, and the line in which they begin."""
+    deck = copied("01_one_element/one_element.k", folder)
+    head, part, rest = deck.read_text().partition("*PART")
+    deck.write_text(head + cards + part + rest)
+    return kerf("check", deck.name, "--units", "kg,m,s", cwd=deck.parent), head.count("\n") + 1
+
+
+@pytest.mark.parametrize("keyword", ["SET_SHELL", "SET_NODE_COLUMN"])
+def test_sets_that_are_not_read_have_no_effect(keyword, tmp_path):
+    done, line = one_element_with(f"*{keyword}\n         7\n         1\n", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert re.search(rf"^\*{keyword} +without effect +one_element.k:{line}$", done.stdout, re.M), done.stdout
+
+
+def test_sets_that_are_read_are_done(tmp_path):
+    done, line = one_element_with("*SET_NODE_LIST\n         7\n         1\n", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert re.search(rf"^\*SET_NODE_LIST +done +one_element.k:{line}$", done.stdout, re.M), done.stdout
+
+
+def test_sets_that_are_not_read_are_refused_where_something_names_them(tmp_path):
+    named = "*SET_NODE_COLUMN\n         7\n         1\n*BOUNDARY_SPC_SET\n         7         0         1\n"
+    done, line = one_element_with(named, tmp_path)
+    assert done.returncode == 2
+    assert f"one_element.k:{line + 4}:1: error: node set 7 is written with *SET_NODE_COLUMN" in done.stderr
+
+
+@pytest.mark.parametrize(("cards", "place", "message"), [
+    ("*MAT_NULL\n         2     1.0\n", None, "material 2 is defined twice; first at one_element.k:"),
+    ("*LOAD_NODE_POINT\n         0         1         9\n", "1:1", "NID is 0; expected the number of a node"),
+    ("*LOAD_NODE_POINT\n        -5         1         9\n", "1:1", "NID is -5; expected the number of a node"),
+    ("*LOAD_NODE_POINT\n         5         1\n", "1:21", "LCID is blank; expected the number of a curve"),
+    ("*INITIAL_DETONATION\n        99       0.0\n", "1:1", "part 99 is not defined")])
+def test_ids_of_decks_are_defined_once_and_where_they_are_named(cards, place, message, tmp_path):
+    done, line = one_element_with(cards, tmp_path)
+    assert done.returncode == 2
+    below, column = (int(number) for number in (place or "0:0").split(":"))
+    where = rf"{line + below}:{column}" if place else r"\d+:1"
+    assert re.search(rf"^one_element\.k:{where}: error: .*{re.escape(message)}", done.stderr, re.M), done.stderr
