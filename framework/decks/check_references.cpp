@@ -199,7 +199,7 @@ class References {
                                                         : nullptr;
       if (!kind || surface.value == 0) continue;
       if (surface.value < 0) {
-        expect(block, name, {kind, false, false, {}}, surface, 0);
+        expect(block, name, {kind, true, false, {}}, surface, 0);
         continue;
       }
       const std::int64_t id = deck_.transform_of(block).id(surface.value, offset_of(kind));
