@@ -13,17 +13,22 @@
 namespace kerf {
 namespace {
 
-std::string line_of(const char* kind, const std::string& name, std::size_t n) {
-  return fmt::format("{:<12} {:<24} {:>12}\n", kind, "\"" + name + "\"", n);
+/// `called` is what an input calls it; empty where an input does not name this kind.
+std::string line_of(const char* kind, const std::string& name, std::size_t n, const std::string& called = {}) {
+  return fmt::format("{:<12} {:<24} {:>12}{}\n", kind, "\"" + name + "\"", n,
+                     called.empty() || called == name ? "" : "  as \"" + called + "\"");
 }
 
 std::string contents_of(const FileMesh& mesh) {
   std::string text = fmt::format("format       {}\nnodes        {}\nelements     {}\ndigest       {}\n\n", mesh.format,
                                  mesh.points.size(), mesh.cells.size(), digest_text(mesh));
-  for (const MeshBlock& b : mesh.blocks) text += line_of("block", b.name, b.cells.size());
+  const MeshSets sets(mesh);
+  for (const MeshBlock& b : mesh.blocks) text += line_of("block", b.name, b.cells.size(), mesh.call(b));
   for (const MeshBlock& s : mesh.cell_sets) text += line_of("element set", s.name, s.cells.size());
-  for (const MeshNodeSet& s : mesh.node_sets) text += line_of("node set", s.name, s.nodes.size());
-  for (const MeshFaceSet& s : mesh.face_sets) text += line_of("face set", s.name, s.faces.size());
+  for (const MeshNodeSet& s : mesh.node_sets)
+    text += line_of("node set", s.name, s.nodes.size(), sets.call(node_set_word, s.name));
+  for (const MeshFaceSet& s : mesh.face_sets)
+    text += line_of("face set", s.name, s.faces.size(), sets.call(face_set_word, s.name));
   for (const auto& [kind, n] : mesh.left_out) text += line_of("left out", kind, static_cast<std::size_t>(n));
   return text;
 }

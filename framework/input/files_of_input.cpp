@@ -54,6 +54,12 @@ std::shared_ptr<const FileMesh> FilesOfInput::mesh(const std::string& name,
   return at->second.mesh;
 }
 
+std::shared_ptr<const MeshSets> FilesOfInput::mesh_sets(const std::string& name) const {
+  MeshCache::Entry& entry = meshes_.entries.at(path_from(origin_, folder_, name));
+  if (!entry.sets) entry.sets = std::make_shared<const MeshSets>(*entry.mesh);
+  return entry.sets;
+}
+
 double FilesOfInput::metres(const std::string& unit) const {
   const Quantity one = to_si("1 " + unit, "m");
   return one.ok() ? one.value : std::numeric_limits<double>::quiet_NaN();

@@ -17,6 +17,7 @@ struct MeshCache {
     std::shared_ptr<const FileMesh> mesh;  // null where the file is no mesh
     std::vector<std::string> complaints;
     std::string digest;  // of the mesh, whatever its form
+    std::shared_ptr<const MeshSets> sets = nullptr;  // until somebody asks for them
   };
   std::map<std::string, Entry> entries;
   std::map<std::string, std::string> digests;  // by the name in the input; several where it names several files
@@ -34,6 +35,7 @@ class FilesOfInput final : public InputFiles {
       : origin_(std::move(origin)), folder_(std::move(folder)), read_(read), meshes_(meshes) {}
   std::string read(const std::string& name, std::string& path, std::string& failure) const override;
   std::shared_ptr<const FileMesh> mesh(const std::string& name, std::vector<std::string>& complaints) const override;
+  std::shared_ptr<const MeshSets> mesh_sets(const std::string& name) const override;
   double metres(const std::string& unit) const override;
 
  private:

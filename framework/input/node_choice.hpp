@@ -13,10 +13,8 @@ class NodeChoice {
   NodeChoice(const SetInput& set, const PartInput& part) : set_(&set) {
     possible_ = set.parts.empty() || std::find(set.parts.begin(), set.parts.end(), part.name) != set.parts.end();
     if (!possible_ || set.face.empty()) return;
-    const auto names = part.mesh->face_names();
-    const auto found = std::find(names.begin(), names.end(), set.face);
-    possible_ = found != names.end();
-    face_ = static_cast<int>(found - names.begin());
+    face_ = part.mesh->find_face(set.face);
+    possible_ = face_ >= 0;
   }
   /// Whether the set can hold nodes of this part at all.
   bool possible() const { return possible_; }

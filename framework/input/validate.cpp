@@ -179,6 +179,22 @@ class Validator {
     }
   }
 
+  /// Why a part has not this face. Names "WORD:NAME" stand where NAME alone means several faces.
+  static std::string no_face(const PartInput& part, const std::string& face) {
+    const Names faces = part.mesh->face_names();
+    Names meant, enough;
+    for (const std::string& name : faces) {
+      const std::string alone = name.substr(name.find(':') + 1);
+      if (alone != name && alone == face) meant.push_back(name);
+      if (alone == name || !contains(faces, alone)) enough.push_back(name);
+    }
+    if (meant.size() > 1)
+      return fmt::format("the face \"{}\" means more than one set in the mesh of part `{}`; expected one of {}", face,
+                         part.name, listed(meant));
+    return fmt::format("the mesh of part `{}` has no face \"{}\"{}", part.name, face,
+                       suggestion(face, enough, "its faces"));
+  }
+
   void check_set(const SetInput& set) {
     const std::size_t errors_before = diagnostics_.errors().size();
     for (std::size_t i = 0; i < set.parts.size(); ++i)
@@ -189,11 +205,8 @@ class Validator {
     for (std::size_t p = 0; p < model_.parts.size(); ++p) {
       const PartInput& part = *model_.parts[p];
       if (!is_prepared_[p] || !(set.parts.empty() || contains(set.parts, part.name))) continue;
-      const Names faces = part.mesh->face_names();
-      if (!set.face.empty() && !contains(faces, set.face))
-        diagnostics_.error(origins_.find("sets." + set.name + ".face"),
-                           fmt::format("the mesh of part `{}` has no face \"{}\"{}", part.name, set.face,
-                                       suggestion(set.face, faces, "its faces")));
+      if (!set.face.empty() && part.mesh->find_face(set.face) < 0)
+        diagnostics_.error(origins_.find("sets." + set.name + ".face"), no_face(part, set.face));
     }
     const bool all_ready = std::find(is_prepared_.begin(), is_prepared_.end(), false) == is_prepared_.end();
     if (all_ready && diagnostics_.errors().size() == errors_before && !parts_.empty() && set.has_proper_box() &&

@@ -45,7 +45,7 @@ Node document_of_mesh(const FileMesh& mesh, const std::string& mesh_name, const 
     add(of_file, "type", scalar("file", nowhere));
     add(of_file, "file", scalar(mesh_name, nowhere));
     add(of_file, "unit", scalar(unit, nowhere));
-    add(of_file, "block", scalar(block.name, nowhere));
+    add(of_file, "block", scalar(mesh.call(block), nowhere));
     add(part, "material", scalar(name, nowhere));
     add(part, "mesh", std::move(of_file));
     add(parts, name, std::move(part));
@@ -56,8 +56,9 @@ Node document_of_mesh(const FileMesh& mesh, const std::string& mesh_name, const 
     add(set, "face", scalar(face, nowhere));
     add(sets, free_word(face, "set", taken), std::move(set));
   };
-  for (const MeshNodeSet& set : mesh.node_sets) add_set(set.name);
-  for (const MeshFaceSet& set : mesh.face_sets) add_set(set.name);
+  const MeshSets named(mesh);
+  for (const MeshNodeSet& set : mesh.node_sets) add_set(named.call(node_set_word, set.name));
+  for (const MeshFaceSet& set : mesh.face_sets) add_set(named.call(face_set_word, set.name));
   add(root, "parts", std::move(parts));
   if (!sets.entries.empty()) add(root, "sets", std::move(sets));
   return root;

@@ -145,11 +145,6 @@ void check_doubles(const FileMesh& mesh, MeshErrors& errors) {
 
 }  // namespace
 
-const MeshBlock* FileMesh::block(std::string_view name) const {
-  const auto found = std::find_if(blocks.begin(), blocks.end(), [&](const MeshBlock& b) { return b.name == name; });
-  return found == blocks.end() ? nullptr : &*found;
-}
-
 FileMesh read_mesh(const MeshFileText& file, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.errors().size();
   FileMesh mesh = read_by_kind(file, diagnostics);

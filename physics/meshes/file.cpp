@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
+#include <span>
 
 #include "kerf/collapsed_cell.hpp"
 #include "kerf/mesh.hpp"
@@ -32,6 +32,7 @@ class MeshOfFile final : public MeshGenerator {
   std::vector<std::string> load(const InputFiles& files) override {
     std::vector<std::string> complaints;
     mesh_ = files.mesh(file, complaints);
+    if (mesh_) sets_ = files.mesh_sets(file);
     scale_ = files.metres(unit);
     if (!(std::isfinite(scale_) && scale_ > 0.0))
       complaints.push_back(
@@ -42,11 +43,7 @@ class MeshOfFile final : public MeshGenerator {
   std::vector<std::string> prepare() override {
     if (!mesh_) return {fmt::format("the mesh \"{}\" cannot be used; expected a file without mistakes", file)};
     const MeshBlock* taken = chosen();
-    if (!taken)
-      return {fmt::format("{}; expected `block` to be one of {}",
-                          block.empty() ? fmt::format("\"{}\" has {} blocks", file, mesh_->blocks.size())
-                                        : fmt::format("\"{}\" has no block \"{}\"", file, block),
-                          names_of_blocks())};
+    if (!taken) return {no_block()};
     cells_ = &taken->cells;
     if (cells_->empty())
       return {fmt::format("the block \"{}\" of \"{}\" is empty; expected elements", taken->name, file)};
@@ -57,7 +54,6 @@ class MeshOfFile final : public MeshGenerator {
             "tetrahedron; expected eight different nodes, or one of these cells",
             mesh_->cell_labels[static_cast<std::size_t>(c)], file)};
     number_nodes();
-    name_faces();
     return {};
   }
 
@@ -73,9 +69,10 @@ class MeshOfFile final : public MeshGenerator {
     for (std::size_t k = 0; k < 8; ++k) ids[k] = number_[static_cast<std::size_t>(cell[k])];
     return ids;
   }
-  std::vector<std::string> face_names() const override { return names_; }
+  std::vector<std::string> face_names() const override { return sets_->names(); }
+  int find_face(const std::string& name) const override { return sets_->find(name); }
   bool on_face(std::int64_t i, int face) const override {
-    const std::vector<std::int32_t>& nodes = faces_[static_cast<std::size_t>(face)];
+    const std::span<const std::int32_t> nodes = sets_->nodes(face);
     return std::binary_search(nodes.begin(), nodes.end(), nodes_[static_cast<std::size_t>(i)]);
   }
 
@@ -95,10 +92,19 @@ class MeshOfFile final : public MeshGenerator {
     return mesh_->blocks.size() == 1 ? &mesh_->blocks.front() : nullptr;
   }
 
-  std::string names_of_blocks() const {
-    std::string names;
-    for (const MeshBlock& b : mesh_->blocks) names += (names.empty() ? "\"" : ", \"") + b.name + "\"";
-    return names.empty() ? "none: the file has no solid elements" : names;
+  std::string no_block() const {
+    std::string all, meant;
+    for (const MeshBlock& b : mesh_->blocks) {
+      const std::string called = mesh_->call(b);
+      all += (all.empty() ? "\"" : ", \"") + called + "\"";
+      if (b.name == block) meant += (meant.empty() ? "\"" : " or \"") + called + "\"";
+    }
+    if (!meant.empty())
+      return fmt::format("\"{}\" has more than one block \"{}\"; expected `block` to be {}", file, block, meant);
+    return fmt::format("{}; expected `block` to be one of {}",
+                       block.empty() ? fmt::format("\"{}\" has {} blocks", file, mesh_->blocks.size())
+                                     : fmt::format("\"{}\" has no block \"{}\"", file, block),
+                       all.empty() ? "none: the file has no solid elements" : all);
   }
 
   /// Numbers the nodes of the block in the order of the file.
@@ -115,32 +121,12 @@ class MeshOfFile final : public MeshGenerator {
       }
   }
 
-  /// The sets of the file, nodes of the whole mesh by name; sets of one name are one.
-  void name_faces() {
-    std::map<std::string, std::vector<std::int32_t>> sets;
-    for (const MeshNodeSet& set : mesh_->node_sets) {
-      auto& nodes = sets[set.name];
-      nodes.insert(nodes.end(), set.nodes.begin(), set.nodes.end());
-    }
-    for (const MeshFaceSet& set : mesh_->face_sets)
-      for (const auto& face : set.faces) sets[set.name].insert(sets[set.name].end(), face.begin(), face.end());
-    names_.clear();
-    faces_.clear();
-    for (auto& [name, nodes] : sets) {
-      std::sort(nodes.begin(), nodes.end());
-      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-      names_.push_back(name);
-      faces_.push_back(std::move(nodes));
-    }
-  }
-
   std::shared_ptr<const FileMesh> mesh_;
+  std::shared_ptr<const MeshSets> sets_;  // of the whole mesh
   double scale_ = 1.0;  // of the unit [m]
   const std::vector<std::int32_t>* cells_ = nullptr;  // of the block
   std::vector<std::int32_t> nodes_;  // of the block, by number in the whole mesh
   std::vector<std::int32_t> number_;  // per node of the whole mesh: its number in nodes_, or -1
-  std::vector<std::string> names_;
-  std::vector<std::vector<std::int32_t>> faces_;  // per name: nodes of the whole mesh, ascending
 };
 
 }  // namespace

@@ -8,6 +8,7 @@ import shutil
 import h5py
 import numpy as np
 import pytest
+from scipy.io import netcdf_file
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
@@ -36,11 +37,11 @@ contacts: [{{type: eroding_surface}}]
 """
 
 
-def write(folder, file="bar_and_plate_v22.msh", model=MODEL, **changes):
+def write(folder, file="bar_and_plate_v22.msh", model=MODEL, face="", **changes):
     for path in MESHES.glob("*"):
         if path.is_file():
             shutil.copy(path, folder)
-    text = model.format(file=file)
+    text = model.format(file=file, face=face)
     for old, new in changes.items():
         text = text.replace(old, new)
     (folder / "case.yaml").write_text(text)
@@ -309,3 +310,147 @@ def test_a_damaged_file_is_refused_with_its_name(tmp_path):
         assert done.returncode == 2
         assert re.match(r"mesh.h5: error: the file is damaged: bytes \d+ to \d+ do not fit their checksum; expected a "
                         r"mesh that Kerf has written\n", done.stderr), done.stderr
+
+
+# ---- Names that mean several things
+
+COLUMN = """\
+title: a column of bricks
+time: {{end: 0.1 us, safety_factor: 0.2}}
+materials:
+  copper:
+    density: 8930 kg/m3
+    strength: {{type: elastic, shear_modulus: 43 GPa}}
+    eos: {{type: linear, bulk_modulus: 130 GPa}}
+parts:
+  column: {{material: copper, mesh: {{type: file, file: {file}, unit: mm}}, velocity: 0 0 -100 m/s}}
+sets:
+  held: {{face: "{face}"}}
+boundaries:
+  - {{type: fixed, nodes: held}}
+"""
+POINTS = [(x, y, z) for z in range(4) for y in (0, 1) for x in (0, 1)]
+BRICKS = [[4 * k + corner for corner in (1, 2, 4, 3, 5, 6, 8, 7)] for k in range(3)]
+TOP_FACE = (13, 14, 16, 15)
+
+
+def abaqus_column(path, node_set, face_set):
+    """A node set of two nodes at the bottom, and the face at the top."""
+    lines = ["*NODE", *(f"{k + 1}, {x}, {y}, {z}" for k, (x, y, z) in enumerate(POINTS)), "*ELEMENT, TYPE=C3D8"]
+    lines += [", ".join(map(str, [k + 1, *nodes])) for k, nodes in enumerate(BRICKS)]
+    lines += [f"*NSET, NSET={node_set}", "1, 2", f"*SURFACE, NAME={face_set}", "3, S2"]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def gmsh_column(path, volume, surface):
+    """A physical volume of all bricks, whose nodes are a set, and the face at the top."""
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2", f'2 7 "{surface}"', f'3 8 "{volume}"',
+             "$EndPhysicalNames", "$Nodes", str(len(POINTS))]
+    lines += [f"{k + 1} {x} {y} {z}" for k, (x, y, z) in enumerate(POINTS)]
+    lines += ["$EndNodes", "$Elements", "4", "1 3 2 7 1 " + " ".join(map(str, TOP_FACE))]
+    lines += [f"{k + 2} 5 2 8 1 " + " ".join(map(str, nodes)) for k, nodes in enumerate(BRICKS)]
+    path.write_text("\n".join([*lines, "$EndElements"]) + "\n")
+
+
+def exodus_column(path, node_set, face_set):
+    """Sets without names, which are called by their numbers."""
+    with netcdf_file(path, "w", version=2) as file:
+        def put(name, values, *dimensions):
+            for dimension, n in zip(dimensions, np.shape(values)):
+                if dimension not in file.dimensions:
+                    file.createDimension(dimension, n)
+            variable = file.createVariable(name, "d" if name.startswith("coord") else "i", dimensions)
+            variable[:] = values
+            return variable
+        for axis, name in enumerate(("coordx", "coordy", "coordz")):
+            put(name, [float(point[axis]) for point in POINTS], "num_nodes")
+        put("eb_prop1", [1], "num_el_blk")
+        put("connect1", BRICKS, "num_el_in_blk1", "num_nod_per_el1").elem_type = "HEX8"
+        put("ns_prop1", [int(node_set)], "num_node_sets")
+        put("node_ns1", [1, 2], "num_nod_ns1")
+        put("ss_prop1", [int(face_set)], "num_side_sets")
+        put("elem_ss1", [3], "num_side_ss1")
+        put("side_ss1", [6], "num_side_ss1")
+
+
+COLUMNS = {"exo": (exodus_column, "1", "2"), "inp": (abaqus_column, "TOP", "LOW"), "msh": (gmsh_column, "a b", "top")}
+
+
+def check_face(folder, file, face, *words):
+    (folder / "case.yaml").write_text(COLUMN.format(file=file, face=face))
+    return kerf("check", "case.yaml", *words, cwd=folder)
+
+
+@pytest.mark.parametrize("ending", COLUMNS)
+def test_a_name_of_two_kinds_of_sets_is_an_error_and_each_kind_has_its_own(tmp_path, ending):
+    make, name, other = COLUMNS[ending]
+    make(tmp_path / f"one.{ending}", name, name)
+    make(tmp_path / f"two.{ending}", name, other)
+    for ranks in (1, 2):
+        done = check_face(tmp_path, f"one.{ending}", name, *on_ranks(ranks))
+        assert done.returncode == 2
+        assert done.stderr == (f'case.yaml:11:16: error: the face "{name}" means more than one set in the mesh of part '
+                               f"`column`; expected one of face_set:{name} and node_set:{name}\n")
+    hashes = {}
+    for file, face in (("one", f"node_set:{name}"), ("two", name), ("two", f"node_set:{name}"),
+                       ("one", f"face_set:{name}"), ("two", other), ("two", f"face_set:{other}")):
+        done = check_face(tmp_path, f"{file}.{ending}", face)
+        assert done.returncode == 0, done.stderr
+        hashes[file, face] = run(tmp_path)["state_hash"]
+    assert hashes["one", f"node_set:{name}"] == hashes["two", name] == hashes["two", f"node_set:{name}"]
+    assert hashes["one", f"face_set:{name}"] == hashes["two", other] == hashes["two", f"face_set:{other}"]
+    assert hashes["two", name] != hashes["two", other]
+
+
+@pytest.mark.parametrize("ending", COLUMNS)
+def test_kerf_mesh_and_convert_name_both_sets(tmp_path, ending):
+    make, name, other = COLUMNS[ending]
+    make(tmp_path / f"one.{ending}", name, name)
+    make(tmp_path / f"two.{ending}", name, other)
+    said = kerf("mesh", f"one.{ending}", cwd=tmp_path).stdout
+    assert re.search(rf'^node set +"{name}" +\d+  as "node_set:{name}"$', said, re.M), said
+    assert re.search(rf'^face set +"{name}" +\d+  as "face_set:{name}"$', said, re.M), said
+    assert " as " not in kerf("mesh", f"two.{ending}", cwd=tmp_path).stdout
+    faces = {}
+    for file in ("one", "two"):
+        done = kerf("convert", f"{file}.{ending}", "--units", "mm", "--output", file, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        text = (tmp_path / file / "case.yaml").read_text()
+        faces[file] = sorted(line.split("face: ")[1].strip("\"'}") for line in text.splitlines() if "face: " in line)
+        words = re.findall(r"^  (\w+):", text[text.index("sets:"):], re.M)
+        assert len(set(words)) == len(words) == len(faces[file])
+        for face in faces[file]:
+            assert check_face(tmp_path, f"{file}/mesh.h5", face).returncode == 0
+    assert faces == {"one": [f"face_set:{name}", f"node_set:{name}"], "two": sorted([name, other])}
+
+
+def test_messages_about_faces_do_not_name_a_set_twice(tmp_path):
+    abaqus_column(tmp_path / "one.inp", "TOP", "TOP")
+    abaqus_column(tmp_path / "two.inp", "TOP", "LOW")
+    for file, names in (("one", "face_set:TOP and node_set:TOP"), ("two", "LOW and TOP")):
+        done = check_face(tmp_path, f"{file}.inp", "elsewhere")
+        assert done.returncode == 2 and done.stderr.endswith(
+            f'the mesh of part `column` has no face "elsewhere"; its faces are {names}\n'), done.stderr
+
+
+def test_two_blocks_of_one_name_are_chosen_by_number(tmp_path):
+    gmsh_column(tmp_path / "column.msh", "a", "top")
+    text = (tmp_path / "column.msh").read_text()
+    text = text.replace("$PhysicalNames\n2\n", '$PhysicalNames\n3\n3 9 "a"\n').replace("4 5 2 8 1", "4 5 2 9 1")
+    (tmp_path / "column.msh").write_text(text)
+
+    def case(block):
+        model = COLUMN.format(file="column.msh", face="a").replace("unit: mm", f'unit: mm, block: "{block}"')
+        (tmp_path / "case.yaml").write_text(model)
+        return kerf("check", "case.yaml", cwd=tmp_path)
+    done = case("a")
+    assert done.returncode == 2
+    assert '"column.msh" has more than one block "a"; expected `block` to be "block:8" or "block:9"' in done.stderr
+    assert '"column.msh" has no block "b"; expected `block` to be one of "block:8", "block:9"' in case("b").stderr
+    for block, n in (("block:8", 2), ("block:9", 1)):
+        assert re.search(rf"^column +{n} ", case(block).stdout, re.M)
+    said = kerf("mesh", "column.msh", cwd=tmp_path).stdout
+    assert re.search(r'^block +"a" +2  as "block:8"\nblock +"a" +1  as "block:9"$', said, re.M), said
+    kerf("convert", "column.msh", "--units", "mm", "--output", "out", cwd=tmp_path)
+    text = (tmp_path / "out" / "case.yaml").read_text()
+    assert "block:8" in text and "block:9" in text

@@ -312,4 +312,66 @@ TEST(ExodusFile, keeps_names_and_numbers_and_sides_look_outward) {
   EXPECT_THAT(face_set(mesh, "around sheet").faces, IsEmpty());
 }
 
+// ---- What an input calls blocks and sets -----------------------------------------------------------------------
+
+std::vector<std::int32_t> nodes_called(const MeshSets& sets, const std::string& name) {
+  const int found = sets.find(name);
+  if (found < 0) return {-1};
+  return {sets.nodes(found).begin(), sets.nodes(found).end()};
+}
+
+TEST(MeshSets, have_a_plain_name_where_it_means_one_thing) {
+  FileMesh mesh;
+  mesh.node_sets = {{"low", 1, {0, 3}}, {"both", 2, {1, 2}}, {"alike", 3, {4, 5, 6}}, {"low", 4, {2, 3}}};
+  mesh.face_sets = {{"both", 2, {{7, 5, 6, 6}}}, {"high", 3, {{9, 8, 7, 6}}}, {"alike", 5, {{6, 5, 4, 4}}}};
+  mesh.face_sets.push_back({"high", 6, {{1, 9, 8, 8}}});
+  const MeshSets sets(mesh);
+  EXPECT_THAT(sets.names(), ElementsAre("alike", "face_set:alike", "face_set:both", "face_set:high", "high", "low",
+                                        "node_set:alike", "node_set:both", "node_set:low"));
+  EXPECT_THAT(nodes_called(sets, "both"), ElementsAre(-1));
+  EXPECT_THAT(nodes_called(sets, "node_set:both"), ElementsAre(1, 2));
+  EXPECT_THAT(nodes_called(sets, "face_set:both"), ElementsAre(5, 6, 7));
+  EXPECT_THAT(nodes_called(sets, "alike"), ElementsAre(4, 5, 6));
+  EXPECT_THAT(nodes_called(sets, "low"), ElementsAre(0, 2, 3));
+  EXPECT_THAT(nodes_called(sets, "high"), ElementsAre(1, 6, 7, 8, 9));
+  EXPECT_THAT(nodes_called(sets, "node_set:high"), ElementsAre(-1));
+  EXPECT_EQ(sets.call(node_set_word, "both"), "node_set:both");
+  EXPECT_EQ(sets.call(face_set_word, "both"), "face_set:both");
+  EXPECT_EQ(sets.call(face_set_word, "alike"), "alike");
+  EXPECT_EQ(sets.call(node_set_word, "low"), "low");
+}
+
+TEST(MeshSets, let_a_qualified_name_go_before_a_plain_one) {
+  FileMesh mesh;
+  mesh.node_sets = {{"a", 1, {0}}, {"face_set:a", 2, {1}}};
+  mesh.face_sets = {{"a", 1, {{2, 3, 4, 5}}}};
+  const MeshSets sets(mesh);
+  EXPECT_THAT(nodes_called(sets, "face_set:a"), ElementsAre(2, 3, 4, 5));
+  EXPECT_THAT(nodes_called(sets, "node_set:face_set:a"), ElementsAre(1));
+  EXPECT_EQ(sets.call(node_set_word, "face_set:a"), "node_set:face_set:a");
+}
+
+TEST(MeshSets, of_a_surface_and_a_volume_of_one_name_are_two) {
+  const FileMesh mesh = read_sound(
+      "a.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"a\"\n3 2 \"a\"\n$EndPhysicalNames\n$Nodes\n4\n"
+      "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n2\n1 2 2 1 1 1 2 3\n2 4 2 2 1 1 2 3 4\n$EndElements");
+  const MeshSets sets(mesh);
+  EXPECT_THAT(nodes_called(sets, "a"), ElementsAre(-1));
+  EXPECT_THAT(nodes_called(sets, "face_set:a"), ElementsAre(0, 1, 2));
+  EXPECT_THAT(nodes_called(sets, "node_set:a"), ElementsAre(0, 1, 2, 3));
+}
+
+TEST(MeshBlocks, of_one_name_are_called_by_their_numbers) {
+  FileMesh mesh;
+  mesh.blocks = {{"a", 3, {0}, {}}, {"b", 4, {1}, {}}, {"a", 5, {2}, {}}};
+  EXPECT_EQ(mesh.block("a"), nullptr);
+  EXPECT_EQ(mesh.block("block:5"), &mesh.blocks[2]);
+  EXPECT_EQ(mesh.block("block:3"), &mesh.blocks[0]);
+  EXPECT_EQ(mesh.block("b"), &mesh.blocks[1]);
+  for (const char* name : {"block:6", "block:", "block:5 ", "5", ""}) EXPECT_EQ(mesh.block(name), nullptr) << name;
+  EXPECT_EQ(mesh.call(mesh.blocks[2]), "block:5");
+  EXPECT_EQ(mesh.call(mesh.blocks[1]), "b");
+}
+
 }  // namespace

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,10 +60,44 @@ struct FileMesh {
   bool labels_repeat = false;  // labels may occur twice: instances of Abaqus number their own nodes and cells
   std::string format;  // "Gmsh 4.1, binary", for messages
 
-  const MeshBlock* block(std::string_view name) const;
+  /// The block that an input calls by its name, or by its number in the file: `block:NUMBER`. Null where no block is
+  /// called so, or more than one.
+  const MeshBlock* block(std::string_view called) const;
+  /// What an input calls a block: its name, or `block:NUMBER` where another block has this name, too.
+  std::string call(const MeshBlock& block) const;
+};
+
+/// The kinds of sets of nodes; also the first word of their qualified names.
+inline constexpr const char *node_set_word = "node_set", *face_set_word = "face_set";
+
+/// The sets of a mesh by what an input calls them: `node_set:NAME` and `face_set:NAME`. NAME alone is enough where one
+/// kind has it, or both kinds have it with the same nodes. Sets of one kind that have one name are one set.
+class MeshSets {
+ public:
+  /// `mesh` has to live as long as this.
+  explicit MeshSets(const FileMesh& mesh);
+  MeshSets(const MeshSets&) = delete;
+  MeshSets& operator=(const MeshSets&) = delete;
+
+  /// All that an input can call them, ascending.
+  std::vector<std::string> names() const;
+  /// The place of a name in names(), or -1.
+  int find(std::string_view called) const;
+  /// Nodes of the whole mesh, ascending.
+  std::span<const std::int32_t> nodes(int set) const { return called_[static_cast<std::size_t>(set)].nodes; }
+  /// What an input calls the set of this kind: its name where that is enough.
+  std::string call(const char* kind, const std::string& name) const;
+
+ private:
+  struct Called {
+    std::string name;
+    std::span<const std::int32_t> nodes;
+  };
+  std::vector<Called> called_;  // by name
+  std::vector<std::vector<std::int32_t>> made_;  // nodes that the mesh does not have as one list
 };
 
 }  // namespace kerf
 
 KERF_SIZES(file_mesh, KERF_SIZE(FilePlace), KERF_SIZE(MeshBlock), KERF_SIZE(MeshNodeSet), KERF_SIZE(MeshFaceSet),
-           KERF_SIZE(FileMesh))
+           KERF_SIZE(FileMesh), KERF_SIZE(MeshSets))

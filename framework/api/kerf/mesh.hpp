@@ -4,6 +4,7 @@
 // elements cost nothing before they are distributed. Generators are plugins of kind "mesh".
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -33,8 +34,15 @@ class MeshGenerator : public Plugin {
   /// Nodes of an element in the order of its shape (positive volume). Corners of a hexahedron may coincide in the
   /// orders of CellKind, in kerf/collapsed_cell.hpp, where the element technology takes such cells.
   virtual ElementNodeIds element(std::int64_t e) const = 0;
-  /// Names of the faces of the body ("x_min", "lateral", ...), for sets and boundary conditions.
+  /// Names of the faces of the body ("x_min", "lateral", ...), for sets and boundary conditions. A name that would mean
+  /// several faces is not among them; each of these faces is called `WORD:NAME`, and messages offer these names.
   virtual std::vector<std::string> face_names() const = 0;
+  /// The place of a name in face_names(), or -1. To be overridden where there are very many names.
+  virtual int find_face(const std::string& name) const {
+    const std::vector<std::string> names = face_names();
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  }
   /// Whether a node lies on a named face (index into face_names()).
   virtual bool on_face(std::int64_t i, int face) const = 0;
 
