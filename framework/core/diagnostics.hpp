@@ -36,6 +36,8 @@ class Diagnostics {
   /// A whole line that has its place and "error" in it already.
   void error_line(const std::string& line) { errors_.push_back(line); }
   void warning(const Origin& where, const std::string& message);
+  /// A whole line that has its place and "warning" in it already.
+  void warning_line(const std::string& line) { warnings_.push_back(line); }
   bool has_errors() const { return !errors_.empty(); }
   const std::vector<std::string>& errors() const { return errors_; }
   const std::vector<std::string>& warnings() const { return warnings_; }

@@ -13,13 +13,14 @@ namespace kerf {
 
 namespace {
 
-MeshCache::Entry read_entry(const std::string& path, const FileReader& read) {
+MeshCache::Entry read_entry(const std::string& path, const FileReader& read, std::vector<std::string>& warnings) {
   std::string failure;
   const std::string bytes = read(path, failure);
   if (!failure.empty())
     return {nullptr, {path + ": error: the file cannot be read: " + failure + "; expected a mesh"}, {}};
   Diagnostics diagnostics;
   FileMesh mesh = read_mesh({bytes, path}, diagnostics);
+  warnings.insert(warnings.end(), diagnostics.warnings().begin(), diagnostics.warnings().end());
   if (diagnostics.has_errors()) return {nullptr, diagnostics.errors(), {}};
   std::string digest = digest_text(mesh);
   return {std::make_shared<const FileMesh>(std::move(mesh)), {}, std::move(digest)};
@@ -46,7 +47,7 @@ std::shared_ptr<const FileMesh> FilesOfInput::mesh(const std::string& name,
   const std::string path = path_from(origin_, folder_, name);
   auto at = meshes_.entries.find(path);
   if (at == meshes_.entries.end()) {
-    at = meshes_.entries.emplace(path, read_entry(path, read_)).first;
+    at = meshes_.entries.emplace(path, read_entry(path, read_, meshes_.warnings)).first;
     complaints.insert(complaints.end(), at->second.complaints.begin(), at->second.complaints.end());
   }
   std::string& digests = meshes_.digests[name];

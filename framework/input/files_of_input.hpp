@@ -21,6 +21,7 @@ struct MeshCache {
   };
   std::map<std::string, Entry> entries;
   std::map<std::string, std::string> digests;  // by the name in the input; several where it names several files
+  std::vector<std::string> warnings;  // about all files, each file once
   /// A mesh that another reader has made.
   void add(const std::string& path, std::shared_ptr<const FileMesh> mesh);
 };

@@ -147,6 +147,7 @@ std::unique_ptr<ModelInput> read_model_document(const std::string& file_name, No
   curves.finish();
   read_balance_files(model->balance, folder, read, registry, origins, meshes, diagnostics);
   load_meshes(*model, folder, read, meshes, diagnostics);
+  for (const std::string& line : meshes.warnings) diagnostics.warning_line(line);
   const bool observers_act = std::any_of(model->observers.begin(), model->observers.end(),
                                          [](const auto& o) { return o && o->calls().forces; });
   Node computed = root;

@@ -143,12 +143,27 @@ void check_doubles(const FileMesh& mesh, MeshErrors& errors) {
   }
 }
 
+/// A plate of shells in the middle of a model must not be missed in silence.
+void tell_left_out(const FileMesh& mesh, const std::string& name, Diagnostics& diagnostics) {
+  std::int64_t all = 0;
+  std::string kinds;
+  for (const auto& [kind, n] : mesh.left_out) {
+    all += n;
+    kinds += (kinds.empty() ? "" : ", ") + std::to_string(n) + " " + in_quotes(kind);
+  }
+  if (all == 0) return;
+  MeshErrors(name, diagnostics)
+      .warn({}, std::to_string(all) + (all == 1 ? " element that is no solid is" : " elements that are no solids are") +
+                    " left out, by kind: " + kinds);
+}
+
 }  // namespace
 
 FileMesh read_mesh(const MeshFileText& file, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.errors().size();
   FileMesh mesh = read_by_kind(file, diagnostics);
   if (diagnostics.errors().size() == before) check_mesh(mesh, file.name, diagnostics);
+  if (diagnostics.errors().size() == before) tell_left_out(mesh, file.name, diagnostics);
   return mesh;
 }
 

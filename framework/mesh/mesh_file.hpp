@@ -41,8 +41,8 @@ std::string kerf_mesh_bytes(const FileMesh& mesh);
 void write_mesh(const FileMesh& mesh, const std::string& path);
 
 /// Whichever of the above the ending of the name and the first bytes tell: .msh, .inp, .exo, .e, .g, .ex2, .h5. Where
-/// the reader finds no mistake, check_mesh looks for more. Post: the mesh is sound where `diagnostics` has no new
-/// errors. Local.
+/// the reader finds no mistake, check_mesh looks for more, and a warning tells what is left out. Post: the mesh is
+/// sound where `diagnostics` has no new errors. Local.
 FileMesh read_mesh(const MeshFileText& file, Diagnostics& diagnostics);
 /// The same for a file of this machine. Local.
 FileMesh read_mesh_file(const std::string& path, Diagnostics& diagnostics);

@@ -454,3 +454,41 @@ def test_two_blocks_of_one_name_are_chosen_by_number(tmp_path):
     kerf("convert", "column.msh", "--units", "mm", "--output", "out", cwd=tmp_path)
     text = (tmp_path / "out" / "case.yaml").read_text()
     assert "block:8" in text and "block:9" in text
+
+
+# ---- What is left out
+
+def test_elements_that_are_left_out_are_told_once(tmp_path):
+    write(tmp_path)
+    path = tmp_path / "bar_and_plate_v22.msh"
+    text = path.read_text()
+    n = int(re.search(r"\$Elements\n(\d+)\n", text)[1])
+    text = text.replace(f"$Elements\n{n}\n", f"$Elements\n{n + 3}\n900001 1 2 0 1 1 2\n900002 3 2 0 1 1 2 3 4\n"
+                                             "900003 1 2 0 1 2 3\n")
+    path.write_text(text)
+    line = ("bar_and_plate_v22.msh: warning: 3 elements that are no solids are left out, by kind: "
+            '2 "line", 1 "quadrangle"\n')
+    for ranks in (1, 2):
+        for command in ("check", "run"):
+            done = kerf(command, "case.yaml", *on_ranks(ranks), "--set", "time.maximum_cycles=1", cwd=tmp_path)
+            assert done.returncode == 0 and done.stderr.count("left out") == done.stderr.count(line) == 1, done.stderr
+        assert summary_of(tmp_path / "results" / "case")["warnings"].count(line.strip()) == 1
+        shutil.rmtree(tmp_path / "results")
+    for words in (["mesh", path.name], ["convert", path.name, "--units", "mm", "--output", "out"]):
+        assert kerf(*words, cwd=tmp_path).stderr == line
+    # The form of Kerf's own remembers it.
+    (tmp_path / "case.yaml").write_text((tmp_path / "case.yaml").read_text().replace(path.name, "out/mesh.h5"))
+    assert kerf("check", "case.yaml", cwd=tmp_path).stderr == line.replace(path.name, "out/mesh.h5")
+
+
+def test_warnings_of_readers_reach_the_run(tmp_path):
+    """Sides of shells that a side set names."""
+    model = COLUMN.replace("unit: mm", "unit: mm, block: brick")
+    write(tmp_path, model=model, file="shapes_nc4.exo", face="bottom face")
+    for words in (["check"], ["run", "--ranks", "1"]):
+        done = kerf(words[0], "case.yaml", *words[1:], cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        for said in ('side set "around sheet" has 1 sides of elements that are no solids',
+                     '1 element that is no solid is left out, by kind: 1 "SHELL4"'):
+            assert done.stderr.count("shapes_nc4.exo: warning: " + said) == 1, done.stderr
+    assert len(summary_of(tmp_path / "results" / "case")["warnings"]) >= 2

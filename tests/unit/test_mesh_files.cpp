@@ -374,4 +374,16 @@ TEST(MeshBlocks, of_one_name_are_called_by_their_numbers) {
   EXPECT_EQ(mesh.call(mesh.blocks[1]), "b");
 }
 
+TEST(MeshFile, tells_what_is_left_out_once) {
+  Diagnostics diagnostics;
+  read_mesh({four_shapes, "a.inp"}, diagnostics);
+  EXPECT_THAT(diagnostics.warnings(),
+              ElementsAre("a.inp: warning: 2 elements that are no solids are left out, by kind: "
+                          "1 \"MASS\", 1 \"S4R\""));
+  Diagnostics of_gmsh;
+  read_mesh({small_gmsh_mesh({22, false, false, false}), "a.msh"}, of_gmsh);
+  EXPECT_THAT(of_gmsh.warnings(),
+              ElementsAre("a.msh: warning: 1 element that is no solid is left out, by kind: 1 \"line\""));
+}
+
 }  // namespace
