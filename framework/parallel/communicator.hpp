@@ -93,8 +93,11 @@ std::vector<T> gather_to_root(MPI_Comm comm, const std::vector<T>& local) {
   return all;
 }
 
-/// Rank 0's text on every rank. Collective.
-std::string broadcast(MPI_Comm comm, std::string text);
+/// The most bytes that broadcast() puts in one message: MPI counts them with 31 bits.
+inline constexpr std::size_t largest_piece = std::size_t{1} << 30;
+
+/// Rank 0's text on every rank, however long it is. Collective; `piece` is the same on all ranks.
+std::string broadcast(MPI_Comm comm, std::string text, std::size_t piece = largest_piece);
 
 /// The text of the lowest rank whose text is not empty, on every rank; empty where all are. Collective.
 std::string first_text(MPI_Comm comm, const std::string& text);
