@@ -161,7 +161,9 @@ void generate_part(const Model& model, std::size_t p, std::int64_t first, std::i
   out.nodes.reserve(n);
   // As many as the elements' share of the part, and some more on the cut to the next rank.
   const double share = static_cast<double>(n) / static_cast<double>(mesh.n_elements());
-  bundle.nodes.reserve(bundle.nodes.size() + static_cast<std::size_t>(1.05 * share * mesh.n_nodes()) + 64);
+  const auto wanted = bundle.nodes.size() + static_cast<std::size_t>(1.05 * share * mesh.n_nodes()) + 64;
+  // Of a thousand small parts, not each may move the nodes of all parts before it.
+  if (wanted > bundle.nodes.capacity()) bundle.nodes.reserve(std::max(wanted, bundle.nodes.capacity() * 3 / 2));
   const auto [lowest, highest] = range_of_nodes(mesh, part.store->n_nodes(), first, last);
   std::vector<char> seen(static_cast<std::size_t>(highest - lowest + 1), 0);
   for (std::int64_t e = first; e < last; ++e) {

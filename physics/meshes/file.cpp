@@ -12,6 +12,7 @@
 #include "kerf/collapsed_cell.hpp"
 #include "kerf/mesh.hpp"
 #include "kerf/plugin.hpp"
+#include "part_nodes.hpp"
 
 namespace kerf {
 namespace {
@@ -53,7 +54,7 @@ class MeshOfFile final : public MeshGenerator {
             "element {} of \"{}\" has corners that coincide in another way than those of a wedge, a pyramid or a "
             "tetrahedron; expected eight different nodes, or one of these cells",
             mesh_->cell_labels[static_cast<std::size_t>(c)], file)};
-    number_nodes();
+    nodes_ = PartNodes(mesh_->cells, *cells_);
     return {};
   }
 
@@ -66,23 +67,25 @@ class MeshOfFile final : public MeshGenerator {
   ElementNodeIds element(std::int64_t e) const override {
     ElementNodeIds ids{};
     const auto cell = in_order_of_kind(mesh_->cells[whole_cell(e)]);
-    for (std::size_t k = 0; k < 8; ++k) ids[k] = number_[static_cast<std::size_t>(cell[k])];
+    for (std::size_t k = 0; k < 8; ++k) ids[k] = nodes_.local(cell[k]);
     return ids;
   }
   std::vector<std::string> face_names() const override { return sets_->names(); }
   int find_face(const std::string& name) const override { return sets_->find(name); }
   bool on_face(std::int64_t i, int face) const override {
     const std::span<const std::int32_t> nodes = sets_->nodes(face);
-    return std::binary_search(nodes.begin(), nodes.end(), nodes_[static_cast<std::size_t>(i)]);
+    return std::binary_search(nodes.begin(), nodes.end(), nodes_.whole(static_cast<std::size_t>(i)));
   }
 
   const void* whole_mesh() const override { return mesh_.get(); }
-  std::int64_t node_of_whole(std::int64_t i) const override { return nodes_[static_cast<std::size_t>(i)]; }
+  std::int64_t node_of_whole(std::int64_t i) const override { return nodes_.whole(static_cast<std::size_t>(i)); }
   std::int64_t node_label(std::int64_t i) const override { return mesh_->node_labels[whole(i)]; }
   std::int64_t element_label(std::int64_t e) const override { return mesh_->cell_labels[whole_cell(e)]; }
 
  private:
-  std::size_t whole(std::int64_t i) const { return static_cast<std::size_t>(nodes_[static_cast<std::size_t>(i)]); }
+  std::size_t whole(std::int64_t i) const {
+    return static_cast<std::size_t>(nodes_.whole(static_cast<std::size_t>(i)));
+  }
   std::size_t whole_cell(std::int64_t e) const {
     return static_cast<std::size_t>((*cells_)[static_cast<std::size_t>(e)]);
   }
@@ -107,26 +110,11 @@ class MeshOfFile final : public MeshGenerator {
                        all.empty() ? "none: the file has no solid elements" : all);
   }
 
-  /// Numbers the nodes of the block in the order of the file.
-  void number_nodes() {
-    number_.assign(mesh_->points.size(), -1);
-    for (const std::int32_t c : *cells_)
-      for (const std::int32_t node : mesh_->cells[static_cast<std::size_t>(c)])
-        number_[static_cast<std::size_t>(node)] = 0;
-    nodes_.clear();
-    for (std::size_t i = 0; i < number_.size(); ++i)
-      if (number_[i] == 0) {
-        number_[i] = static_cast<std::int32_t>(nodes_.size());
-        nodes_.push_back(static_cast<std::int32_t>(i));
-      }
-  }
-
   std::shared_ptr<const FileMesh> mesh_;
   std::shared_ptr<const MeshSets> sets_;  // of the whole mesh
   double scale_ = 1.0;  // of the unit [m]
   const std::vector<std::int32_t>* cells_ = nullptr;  // of the block
-  std::vector<std::int32_t> nodes_;  // of the block, by number in the whole mesh
-  std::vector<std::int32_t> number_;  // per node of the whole mesh: its number in nodes_, or -1
+  PartNodes nodes_;  // of the block
 };
 
 }  // namespace
