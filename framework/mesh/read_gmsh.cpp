@@ -1,18 +1,13 @@
 // Reads meshes of Gmsh, formats 2.2 and 4.1: https://gmsh.info/doc/texinfo/gmsh.html, "Gmsh file formats".
 #include <fmt/format.h>
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <span>
-#include <utility>
 
-#include "mesh/gmsh_source.hpp"
-#include "mesh/label_map.hpp"
-#include "mesh/mesh_errors.hpp"
+#include "mesh/gmsh_reader.hpp"
 
-namespace kerf {
+namespace kerf::gmsh {
 namespace {
 
 /// The number that the text form of Gmsh holds, which has sixteen digits: one mesh has the same bits in every form.
@@ -23,12 +18,6 @@ double as_written_in_text(double value) {
   std::from_chars(text.data(), written.ptr, value);
   return value;
 }
-
-struct GmshType {
-  int number;
-  const char* name;
-  int n_nodes, dimension, order;
-};
 
 constexpr GmshType types[] = {{1, "line", 2, 1, 1},
                               {2, "triangle", 3, 2, 1},
@@ -61,8 +50,6 @@ const GmshType* type_of(std::int64_t number) {
   return nullptr;
 }
 
-using Nodes8 = std::array<std::int32_t, 8>;
-
 /// Kerf's eight nodes of a solid of Gmsh, which numbers corners in the same order.
 Nodes8 as_hexahedron(int n_nodes, const Nodes8& n) {
   if (n_nodes == 4) return {n[0], n[1], n[2], n[2], n[3], n[3], n[3], n[3]};
@@ -71,74 +58,7 @@ Nodes8 as_hexahedron(int n_nodes, const Nodes8& n) {
   return n;
 }
 
-/// What belongs to a physical group, or to a volume of the geometry.
-struct Group {
-  std::string name;
-  std::vector<std::int32_t> cells, nodes;  // nodes of elements that are no cells
-  std::vector<std::array<std::int32_t, 4>> faces;
-};
-using Key = std::pair<std::int64_t, std::int64_t>;  // dimension, number
-
-class GmshReader {
- public:
-  GmshReader(const MeshFileText& file, Diagnostics& diagnostics)
-      : source_(file.bytes), errors_(file.name, diagnostics) {}
-
-  FileMesh read();
-
- private:
-  bool read_format();
-  bool read_section();
-  bool leave_section();
-  void read_names();
-  void read_entities();
-  bool read_entity(std::int64_t dimension);
-  void read_nodes_2(bool parametric);
-  void read_nodes_4();
-  bool read_node_block();
-  bool read_node_tags(std::int64_t count);
-  void add_node(std::int64_t tag);
-  void finish_nodes();
-  void reserve_elements(std::int64_t n);
-  void read_elements_2();
-  bool read_element_line_2();
-  std::int64_t read_element_block_2(std::int64_t most);
-  bool read_element_2(const GmshType& type, std::int64_t tag, std::int64_t n_tags, FilePlace place);
-  void read_elements_4();
-  std::int64_t read_element_block_4();
-  std::vector<Group*> groups_of(Key entity);
-  bool read_corners(const GmshType& type, std::int64_t tag, Nodes8& nodes);
-  const GmshType* known_type(std::int64_t number, FilePlace place);
-  void add_element(const GmshType& type, std::int64_t tag, const Nodes8& nodes, std::span<Group*> groups, Group* volume,
-                   FilePlace place);
-  void finish_groups();
-  std::vector<std::int32_t> nodes_of(const Group& group, std::vector<bool>& seen) const;
-
-  bool count(std::int64_t& n, const char* what);
-  bool text_count(std::int64_t& n, const char* what);
-  bool checked(bool read, std::int64_t n, FilePlace place, const char* what);
-  /// Ends a record of which `whole` tells whether all of it could be read.
-  bool ended(bool whole, const char* what, const char* expected);
-  void missing(std::int64_t announced, std::int64_t found, const char* what);
-  std::string where(const char* what) const { return std::string(what) + " in $" + section_; }
-  std::size_t trusted(std::int64_t n, std::int64_t bytes_each) const {
-    return static_cast<std::size_t>(std::min(n, source_.bytes_left() / bytes_each + 1));
-  }
-
-  GmshSource source_;
-  MeshErrors errors_;
-  FileMesh mesh_;
-  std::string section_;
-  int version_ = 0;
-  bool has_nodes_ = false, has_elements_ = false, broken_ = false;
-  LabelMap node_of_;
-  std::vector<std::int32_t> node_lines_;
-  std::map<Key, Group> groups_;
-  Key last_key_;
-  Group* last_group_ = nullptr;
-  std::map<std::int64_t, Group> volumes_;
-  std::map<Key, std::vector<std::int64_t>> entities_;  // their physical groups
-};
+}  // namespace
 
 // ---- counts and ends of records --------------------------------------------------------------------------------
 
@@ -282,114 +202,11 @@ void GmshReader::read_names() {
   }
 }
 
-// ---- entities of 4.1 -------------------------------------------------------------------------------------------
-
-void GmshReader::read_entities() {
-  std::int64_t counts[4] = {0, 0, 0, 0};
-  source_.begin_record();
-  for (std::int64_t& n : counts)
-    if (!count(n, "a number of entities")) return;
-  if (!ended(true, "a number of entities", "four numbers")) return;
-  for (std::int64_t dimension = 0; dimension < 4; ++dimension)
-    for (std::int64_t i = 0; i < counts[dimension]; ++i) {
-      if (!source_.begin_record()) return missing(counts[dimension], i, "entities of a dimension");
-      const bool whole = read_entity(dimension);
-      if (!ended(whole, "an entity", "its number, its box, its physical groups and its boundary") && broken_) return;
-    }
-}
-
-bool GmshReader::read_entity(std::int64_t dimension) {
-  std::int64_t tag = 0, n = 0, number = 0;
-  double box = 0.0;
-  if (!source_.integer(tag)) return false;
-  for (int i = 0; i < (dimension == 0 ? 3 : 6); ++i)
-    if (!source_.real(box)) return false;
-  if (!source_.size(n)) return false;
-  std::vector<std::int64_t>& physical = entities_[{dimension, tag}];
-  for (std::int64_t i = 0; i < n; ++i) {
-    if (!source_.integer(number)) return false;
-    physical.push_back(number < 0 ? -number : number);  // the sign is that of a direction
-  }
-  if (dimension == 0) return true;
-  if (!source_.size(n)) return false;
-  for (std::int64_t i = 0; i < n; ++i)
-    if (!source_.integer(number)) return false;
-  return true;
-}
-
 // ---- nodes -----------------------------------------------------------------------------------------------------
 
 void GmshReader::add_node(std::int64_t tag) {
   mesh_.node_labels.push_back(tag);
   if (!source_.binary) node_lines_.push_back(source_.place().line);
-}
-
-void GmshReader::read_nodes_2(bool parametric) {
-  std::int64_t n = 0, tag = 0, dimension = 0, entity = 0;
-  if (!text_count(n, "the number of nodes")) return;
-  mesh_.points.reserve(trusted(n, 8));
-  mesh_.node_labels.reserve(trusted(n, 8));
-  for (std::int64_t i = 0; i < n; ++i) {
-    if (!source_.begin_record()) return missing(n, i, "nodes");
-    std::array<double, 3> x{};
-    bool whole = source_.integer(tag) && source_.real(x[0]) && source_.real(x[1]) && source_.real(x[2]);
-    add_node(tag);
-    mesh_.points.push_back(x);
-    if (parametric) {
-      whole = whole && source_.integer(dimension) && source_.integer(entity);
-      for (int k = 0; whole && dimension < 3 && k < dimension; ++k) whole = source_.real(x[0]);
-    }
-    if (!ended(whole, "a node", parametric ? "number x y z dimension entity parameters" : "number x y z") && broken_)
-      return;
-  }
-  finish_nodes();
-}
-
-void GmshReader::read_nodes_4() {
-  std::int64_t blocks = 0, n = 0, low = 0, high = 0;
-  source_.begin_record();
-  if (!count(blocks, "the number of blocks") || !count(n, "the number of nodes")) return;
-  if (!ended(source_.size(low) && source_.size(high), "the first line", "four numbers")) return;
-  mesh_.points.reserve(trusted(n, 8));
-  mesh_.node_labels.reserve(trusted(n, 8));
-  for (std::int64_t i = 0; i < blocks; ++i) {
-    if (!source_.begin_record()) return missing(blocks, i, "blocks of nodes");
-    if (!read_node_block()) return;
-  }
-  const auto found = static_cast<std::int64_t>(mesh_.node_labels.size());
-  if (found != n) missing(n, found, "nodes");
-  finish_nodes();
-}
-
-bool GmshReader::read_node_block() {
-  std::int64_t dimension = 0, entity = 0, parametric = 0, n = 0;
-  const bool whole = source_.integer(dimension) && source_.integer(entity) && source_.integer(parametric);
-  if (whole && !count(n, "the number of nodes of a block")) return false;
-  const bool sound = whole && dimension >= 0 && dimension <= 3 && (parametric == 0 || parametric == 1);
-  if (!ended(sound, "the head of a block of nodes", "dimension entity parametric count")) return false;
-  if (!read_node_tags(n)) return false;
-  const std::int64_t n_parameters = parametric == 1 ? dimension : 0;
-  for (std::int64_t i = 0; i < n; ++i) {
-    if (!source_.begin_record()) return missing(n, i, "coordinates of a block"), false;
-    std::array<double, 3> x{};
-    double parameter = 0.0;
-    bool read = source_.real(x[0]) && source_.real(x[1]) && source_.real(x[2]);
-    for (std::int64_t k = 0; read && k < n_parameters; ++k) read = source_.real(parameter);
-    mesh_.points.push_back(x);
-    if (!ended(read, "a node", n_parameters > 0 ? "x y z and parameters" : "x y z") && broken_) return false;
-  }
-  return true;
-}
-
-bool GmshReader::read_node_tags(std::int64_t n) {
-  for (std::int64_t i = 0; i < n; ++i) {
-    if (!source_.begin_record()) return missing(n, i, "numbers of a block of nodes"), false;
-    std::int64_t tag = 0;
-    const bool read = source_.size(tag);
-    add_node(tag);
-    if (!ended(read, "the number of a node", "one whole number") && broken_) return false;
-  }
-  return true;
 }
 
 void GmshReader::finish_nodes() {
@@ -470,105 +287,6 @@ void GmshReader::reserve_elements(std::int64_t n) {
   if (!source_.binary) mesh_.cell_places.reserve(trusted(n, 16));
 }
 
-void GmshReader::read_elements_2() {
-  std::int64_t n = 0, done = 0;
-  if (!text_count(n, "the number of elements")) return;
-  reserve_elements(n);
-  while (done < n && !broken_) {
-    if (!source_.begin_record()) return missing(n, done, "elements");
-    if (source_.binary)
-      done += read_element_block_2(n - done);
-    else
-      ended(read_element_line_2(), "an element", "number type count-of-tags tags nodes"), ++done;
-  }
-}
-
-bool GmshReader::read_element_line_2() {
-  const FilePlace place = source_.place();
-  std::int64_t tag = 0, number = 0, n_tags = 0;
-  if (!source_.integer(tag) || !source_.integer(number) || !source_.integer(n_tags)) return false;
-  const GmshType* type = known_type(number, place);
-  if (type) return read_element_2(*type, tag, n_tags, place);
-  source_.skip_line();
-  return true;
-}
-
-/// Elements of one type in a binary file; how many there are.
-std::int64_t GmshReader::read_element_block_2(std::int64_t most) {
-  std::int64_t number = 0, n = 0, n_tags = 0, tag = 0;
-  const bool whole = source_.integer(number) && source_.integer(n) && source_.integer(n_tags);
-  if (!ended(whole && n > 0 && n <= most, "a block of elements", "type, count and number of tags")) return 0;
-  const GmshType* type = known_type(number, {});
-  broken_ = !type;
-  for (std::int64_t i = 0; i < n && !broken_; ++i)
-    ended(source_.integer(tag) && read_element_2(*type, tag, n_tags, {}), "an element", "number, tags and nodes");
-  return n;
-}
-
-/// Tags and nodes. The first tag is the physical group, 0 for none, the second the entity of the geometry.
-bool GmshReader::read_element_2(const GmshType& type, std::int64_t tag, std::int64_t n_tags, FilePlace place) {
-  std::int64_t physical = 0, entity = 0, other = 0;
-  if (n_tags < 0 || n_tags > source_.bytes_left()) return false;
-  for (std::int64_t i = 0; i < n_tags; ++i)
-    if (!source_.integer(i == 0 ? physical : i == 1 ? entity : other)) return false;
-  Nodes8 nodes{};
-  if (!read_corners(type, tag, nodes)) return false;
-  const Key key{type.dimension, physical < 0 ? -physical : physical};  // the sign is that of a direction
-  if (key != last_key_ || !last_group_) {
-    last_key_ = key;
-    last_group_ = key.second == 0 ? nullptr : &groups_[key];
-  }
-  Group* volume = type.dimension == 3 ? &volumes_[entity] : nullptr;
-  add_element(type, tag, nodes, {&last_group_, last_group_ ? 1u : 0u}, volume, place);
-  return true;
-}
-
-void GmshReader::read_elements_4() {
-  std::int64_t blocks = 0, n = 0, low = 0, high = 0, done = 0;
-  source_.begin_record();
-  if (!count(blocks, "the number of blocks") || !count(n, "the number of elements")) return;
-  if (!ended(source_.size(low) && source_.size(high), "the first line", "four numbers")) return;
-  reserve_elements(n);
-  for (std::int64_t i = 0; i < blocks; ++i) {
-    if (!source_.begin_record()) return missing(blocks, i, "blocks of elements");
-    const std::int64_t found = read_element_block_4();
-    if (found < 0) return;
-    done += found;
-  }
-  if (done != n) missing(n, done, "elements");
-}
-
-/// How many elements the block has; -1 where the section cannot be read further.
-std::int64_t GmshReader::read_element_block_4() {
-  const FilePlace head = source_.place();
-  std::int64_t dimension = 0, entity = 0, number = 0, n = 0, tag = 0;
-  const bool whole = source_.integer(dimension) && source_.integer(entity) && source_.integer(number);
-  if (whole && !count(n, "the number of elements of a block")) return -1;
-  if (!ended(whole, "the head of a block of elements", "dimension entity type count")) return -1;
-  const GmshType* type = known_type(number, head);
-  if (!type && source_.binary) return broken_ = true, -1;
-  std::vector<Group*> groups;
-  if (type) groups = groups_of({type->dimension, entity});
-  Group* volume = type && type->dimension == 3 ? &volumes_[entity] : nullptr;
-  for (std::int64_t i = 0; i < n; ++i) {
-    if (!source_.begin_record()) return missing(n, i, "elements of a block"), -1;
-    const FilePlace place = source_.place();
-    Nodes8 nodes{};
-    const bool read = !type ? source_.skip_line() : source_.size(tag) && read_corners(*type, tag, nodes);
-    if (ended(read, "an element", "number nodes") && type) add_element(*type, tag, nodes, groups, volume, place);
-    if (broken_) return -1;
-  }
-  return n;
-}
-
-std::vector<Group*> GmshReader::groups_of(Key entity) {
-  std::vector<Group*> groups;
-  const auto found = entities_.find(entity);
-  if (found == entities_.end()) return groups;
-  for (const std::int64_t number : found->second) groups.push_back(&groups_[{entity.first, number}]);
-  return groups;
-}
-
 // ---- groups ----------------------------------------------------------------------------------------------------
 
 /// All nodes of a group, ascending. `seen` is false for all nodes, before and after.
@@ -605,8 +323,12 @@ void GmshReader::finish_groups() {
     mesh_.blocks.push_back({std::to_string(number), number, std::move(group.cells), {}});
 }
 
-}  // namespace
+}  // namespace kerf::gmsh
 
-FileMesh read_gmsh(const MeshFileText& file, Diagnostics& diagnostics) { return GmshReader(file, diagnostics).read(); }
+namespace kerf {
+
+FileMesh read_gmsh(const MeshFileText& file, Diagnostics& diagnostics) {
+  return gmsh::GmshReader(file, diagnostics).read();
+}
 
 }  // namespace kerf
