@@ -74,6 +74,12 @@ inline constexpr const char *node_set_word = "node_set", *face_set_word = "face_
 /// kind has it, or both kinds have it with the same nodes. Sets of one kind that have one name are one set.
 class MeshSets {
  public:
+  /// One of the names, and its nodes of the whole mesh, ascending.
+  struct Called {
+    std::string name;
+    std::span<const std::int32_t> nodes;
+  };
+
   /// `mesh` has to live as long as this.
   explicit MeshSets(const FileMesh& mesh);
   MeshSets(const MeshSets&) = delete;
@@ -89,10 +95,6 @@ class MeshSets {
   std::string call(const char* kind, const std::string& name) const;
 
  private:
-  struct Called {
-    std::string name;
-    std::span<const std::int32_t> nodes;
-  };
   std::vector<Called> called_;  // by name
   std::vector<std::vector<std::int32_t>> made_;  // nodes that the mesh does not have as one list
 };
@@ -100,4 +102,4 @@ class MeshSets {
 }  // namespace kerf
 
 KERF_SIZES(file_mesh, KERF_SIZE(FilePlace), KERF_SIZE(MeshBlock), KERF_SIZE(MeshNodeSet), KERF_SIZE(MeshFaceSet),
-           KERF_SIZE(FileMesh), KERF_SIZE(MeshSets))
+           KERF_SIZE(FileMesh), KERF_SIZE(MeshSets), KERF_SIZE(MeshSets::Called))
