@@ -83,7 +83,7 @@ void DeckReader::read_source(std::int32_t source) {
 bool DeckReader::start_block(std::int32_t source, std::string_view line, std::int32_t number) {
   Block block;
   const std::size_t blank = std::min(line.find_first_of(" \t("), line.size());
-  block.written = upper_case(line.substr(1, blank - 1));
+  block.written = upper_case(printable(line.substr(1, blank - 1)));
   block.rest = upper_case(without_blanks(line.substr(blank)));
   block.source = source;
   block.line = number;

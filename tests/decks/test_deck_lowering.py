@@ -140,7 +140,8 @@ def test_factors_of_units_hold_for_what_is_blank_as_for_what_is_written(lowered)
     for load in ("*LOAD_SEGMENT\n20,1.0,0,1,2,6,5\n", "*LOAD_SEGMENT\n20,,0,1,2,6,5\n"):
         assert pressure(lowered, load, (1000, 1, 1)) == ["1000 Mbar"]
     # Rows of two includes do not become one.
-    both = pressure(lowered, "*LOAD_SEGMENT\n20,1.0,0,1,2,6,5\n", (1000, 1, 1), more="*LOAD_SEGMENT\n20,1.0,0,4,3,7,8\n")
+    more = "*LOAD_SEGMENT\n20,1.0,0,4,3,7,8\n"
+    both = pressure(lowered, "*LOAD_SEGMENT\n20,1.0,0,1,2,6,5\n", (1000, 1, 1), more=more)
     assert sorted(abs(float(p.split()[0])) for p in both) == [1, 1000]
 
 
@@ -315,3 +316,11 @@ def test_more_velocities_than_boundaries_can_be_made_of_are_refused(lowered):
     points = "".join(f"{i},0.0,0.0,{i}.0\n" for i in range(100, 2102))
     velocities = "*INITIAL_VELOCITY_NODE\n" + "".join(f"{i},{i}.0,0.0,0.0\n" for i in range(100, 2102))
     refused(lowered, deck("*NODE\n" + points + velocities), "2002 different velocities")
+
+
+def test_control_characters_of_a_keyword_do_not_reach_messages(tmp_path):
+    (tmp_path / "deck.k").write_bytes(deck("*ELEMENT_S\rHELL\n9,2,1,2,3,4\n").encode())
+    done = kerf("check", "deck.k", "--units", "g-cm-us", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "\r" not in done.stderr
+    assert all(re.match(r"deck\.k:\d+:\d+: (error|warning): ", line) for line in done.stderr.splitlines())
