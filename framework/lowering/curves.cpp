@@ -17,8 +17,7 @@ void begin_later(const Lowering& low, std::int64_t id, Lowering::Points& points)
 
 /// Programs do not agree on what follows the last point of a function of time.
 void warn_of_end(Lowering& low, std::int64_t id, const Lowering::Points& points) {
-  const decks::Block* termination = low.last("CONTROL_TERMINATION");
-  const double end = termination ? low.row(*termination).value("endtim", time) : 0.0;
+  const double end = low.end_time();
   if (points.x.back() < end)
     low.differ(points.origin, fmt::format("curve {} ends at {}, before the run does at {}; it keeps its last value, {}",
                                           id, points.x.back(), end, points.y.back()));

@@ -98,13 +98,10 @@ void null_material(Lowering& low, const Row& row, Material& made) {
   if (mu > 0.0) add(law, "viscosity", row.quantity("mu", viscosity));
   add(made.node, "strength", std::move(law));
   made.tension_limit = tension(low, row, "pc");
-  if (row.value("terod") <= 0.0 && row.value("cerod") <= 0.0) return;
   for (const auto& [field, sign] : {std::pair{"terod", '>'}, std::pair{"cerod", '<'}}) {
     if (row.value(field) <= 0.0) continue;
-    Node criterion = typed("expression", row.origin(field));
-    add(criterion, "expression",
-        scalar(fmt::format("volume_ratio {} {}", sign, number_text(row.value(field))), row.origin(field)));
-    made.criteria.push_back(std::move(criterion));
+    made.criteria.push_back(
+        erosion_where(row, field, fmt::format("volume_ratio {} {}", sign, number_text(row.value(field)))));
   }
 }
 
@@ -364,12 +361,6 @@ void add_all(Node& law, const Row& row, std::initializer_list<Taken> all) {
       add(law, taken.key, row.quantity(taken.field, taken.dimension));
 }
 
-Node expression(const Row& row, const char* field, const std::string& text) {
-  Node criterion = typed("expression", row.origin(field));
-  add(criterion, "expression", scalar(text, row.origin(field)));
-  return criterion;
-}
-
 void ceramics(Lowering& low, const Row& row, Material& made) {
   Node law = typed("johnson_holmquist_2", row.origin());
   if (row.value("c") != 0.0) require_reference_rate(low, row, "epsi");
@@ -398,7 +389,7 @@ void ceramics(Lowering& low, const Row& row, Material& made) {
     const double strain = row.value("t", pressure) / row.value("k1", pressure);
     if (strain < 1.0)
       made.criteria.push_back(
-          expression(row, "fs", fmt::format("volume_ratio > {}", number_text(1.0 / (1.0 - strain)))));
+          erosion_where(row, "fs", fmt::format("volume_ratio > {}", number_text(1.0 / (1.0 - strain)))));
   }
 }
 
@@ -430,7 +421,7 @@ void concrete(Lowering& low, const Row& row, Material& made) {
   if (fs > 0.0) return made.criteria.push_back(plastic_strain_limit(row, "fs"));
   const std::string bears_no_more = fmt::format("pressure <= -0.999 * {} Pa * (1 - damage)",
                                                 number_text(row.value("t", pressure) * low.units.in_si(pressure)));
-  made.criteria.push_back(expression(row, "fs", fs < 0.0 ? "damage >= 1" : bears_no_more));
+  made.criteria.push_back(erosion_where(row, "fs", fs < 0.0 ? "damage >= 1" : bears_no_more));
 }
 
 constexpr MaterialLaw laws[] = {

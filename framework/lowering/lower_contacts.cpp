@@ -154,9 +154,8 @@ class Contacts {
 
   /// A contact may end after the run does.
   void refuse_end(const Row& row) {
-    const Block* termination = low_.last("CONTROL_TERMINATION");
-    const double end = termination ? low_.row(*termination).value("endtim", time) : 0.0, dt = row.value("dt", time);
-    if (dt != 0.0 && dt < end)
+    const double dt = row.value("dt", time);
+    if (dt != 0.0 && dt < low_.end_time())
       low_.refuse(row.origin("dt"), fmt::format("DT = {}: contact that ends before the run does is not taken", dt));
   }
 

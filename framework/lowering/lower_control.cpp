@@ -41,8 +41,7 @@ void lower_time(Lowering& low) {
 }
 
 void lower_output(Lowering& low) {
-  const Block* termination = low.last("CONTROL_TERMINATION");
-  const double end = termination ? low.row(*termination).value("endtim", time) : 0.0;
+  const double end = low.end_time();
   Node block = map_node(low.root.origin);
   for (const auto& [keyword, key] :
        {std::pair{"DATABASE_BINARY_D3PLOT", "results_interval"}, std::pair{"DATABASE_GLSTAT", "history_interval"}}) {

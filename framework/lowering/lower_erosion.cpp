@@ -69,10 +69,7 @@ class AddedErosion {
     return number_text(row_.value(field, pressure) * low_.units.in_si(pressure)) + " Pa";
   }
 
-  void expression(const char* field, const std::string& text) {
-    criteria_.push_back(typed("expression", row_.origin(field)));
-    add(criteria_.back(), "expression", scalar(text, row_.origin(field)));
-  }
+  void expression(const char* field, const std::string& text) { criteria_.push_back(erosion_where(row_, field, text)); }
 
   void limit(const char* field, const char* type, const char* key, Dimension dimension) {
     criteria_.push_back(typed(type, row_.origin(field)));

@@ -45,6 +45,12 @@ Node plastic_strain_limit(const Row& row, const char* field) {
   return criterion;
 }
 
+Node erosion_where(const Row& row, const char* field, const std::string& condition) {
+  Node criterion = typed("expression", row.origin(field));
+  add(criterion, "expression", scalar(condition, row.origin(field)));
+  return criterion;
+}
+
 // ---- materials and equations of state of parts -----------------------------------------------------------------
 
 namespace {
@@ -80,20 +86,18 @@ class Materials {
     if (const auto known = names_.find(key); known != names_.end()) return known->second;
     Material made = lowered(*material, eos, part);
     if (made.node.entries.empty()) return {};
-    const std::string name = free_name(part, burns);
+    const std::string name = name_of(part, burns);
     names_[key] = name;
     add(all, name, std::move(made.node));
     return name;
   }
 
-  std::string free_name(const DeckPart& part, bool burns) {
+  std::string name_of(const DeckPart& part, bool burns) {
     std::string name = fmt::format("mat_{}", part.material);
     if (part.eos != 0 && used_materials_.count(part.material) > 0) name += fmt::format("_eos_{}", part.eos);
     if (burns) name += fmt::format("_part_{}", part.id);
     used_materials_.insert(part.material);
-    std::string free = name;
-    for (int k = 2; !used_names_.insert(free).second; ++k) free = fmt::format("{}_{}", name, k);
-    return free;
+    return free_name(name, used_names_);
   }
 
   Material lowered(const Block& block, const Block* eos, const DeckPart& part) {

@@ -16,9 +16,7 @@ namespace {
 std::string free_word(const std::string& text, const char* otherwise, std::set<std::string>& taken) {
   std::string word = word_of(text);
   if (word.empty() || (word[0] >= '0' && word[0] <= '9')) word = fmt::format("{}_{}", otherwise, word);
-  std::string free = word;
-  for (int k = 2; !taken.insert(free).second; ++k) free = fmt::format("{}_{}", word, k);
-  return free;
+  return free_name(word, taken);
 }
 
 }  // namespace

@@ -135,6 +135,11 @@ const Block* Lowering::last(std::string_view base) {
   return all.back();
 }
 
+double Lowering::end_time() {
+  const Block* termination = last("CONTROL_TERMINATION");
+  return termination ? row(*termination).value("endtim", time) : 0.0;
+}
+
 std::vector<Row> Lowering::rows(std::string_view base) const {
   std::vector<Row> found;
   for (const Block* block : blocks(base))

@@ -35,6 +35,8 @@ Node list_node(Origin origin);
 Node& add(Node& map, std::string key, Node value);
 /// A title as one word of letters, digits and underscores; empty where that leaves nothing.
 std::string word_of(const std::string& title);
+/// `name`, or a name made of it that is not taken yet; it is taken from then on.
+std::string free_name(const std::string& name, std::set<std::string>& taken);
 /// The shortest text that reads back as `value`.
 std::string number_text(double value);
 
@@ -94,6 +96,8 @@ class Lowering {
   std::vector<const decks::Block*> blocks(std::string_view base) const;
   /// The last block of a keyword that counts once, or null; the ones before it are warned of.
   const decks::Block* last(std::string_view base);
+  /// In the unit of the deck; 0 where the deck does not say it.
+  double end_time();
   /// All rows of a keyword whose cards repeat.
   std::vector<Row> rows(std::string_view base) const;
   Row row(const decks::Block& block, std::size_t repeat = 0) const { return {*this, block, repeat}; }
@@ -124,8 +128,6 @@ class Lowering {
   std::string node_set(std::int64_t id, const Origin& where);
   /// A set of the document of certain nodes; `name` is what it is called where that is free.
   std::string nodes(const std::string& name, std::vector<std::int32_t> nodes, const Origin& where);
-  /// `name`, or a name made of it that no part and no set has yet.
-  std::string free_name(const std::string& name);
   /// Names the parts that have solids.
   void name_parts();
   /// Nodes of the solids of a part, ascending.

@@ -32,6 +32,8 @@ Node typed(const char* type, const Origin& where);
 Node strength(Lowering& low, const char* type, const Elastic& elastic);
 Node logarithmic(Lowering& low, const Elastic& elastic);
 Node plastic_strain_limit(const Row& row, const char* field);
+/// Erosion where a condition holds, for example "damage >= 1". `field` is the place of the condition.
+Node erosion_where(const Row& row, const char* field, const std::string& condition);
 
 struct MaterialLaw {
   std::string_view keyword;

@@ -35,14 +35,14 @@ void Lowering::name_parts() {
     const std::string word = word_of(part.title);
     const bool alone = !word.empty() && !is_number(word) && uses[word] == 1;
     if (has_cells(part.id))
-      part_names[part.id] =
-          free_name(alone ? word : fmt::format("{}_{}", word.empty() || is_number(word) ? "part" : word, part.id));
+      part_names[part.id] = free_name(
+          alone ? word : fmt::format("{}_{}", word.empty() || is_number(word) ? "part" : word, part.id), names_);
   }
 }
 
-std::string Lowering::free_name(const std::string& name) {
+std::string free_name(const std::string& name, std::set<std::string>& taken) {
   std::string free = name;
-  for (int k = 2; is_number(free) || !names_.insert(free).second; ++k) free = fmt::format("{}_{}", name, k);
+  for (int k = 2; is_number(free) || !taken.insert(free).second; ++k) free = fmt::format("{}_{}", name, k);
   return free;
 }
 
@@ -110,7 +110,7 @@ std::string Lowering::node_set(std::int64_t id, const Origin& where) {
 }
 
 std::string Lowering::nodes(const std::string& name, std::vector<std::int32_t> members, const Origin& where) {
-  const std::string free = free_name(name);
+  const std::string free = free_name(name, names_);
   std::sort(members.begin(), members.end());
   members.erase(std::unique(members.begin(), members.end()), members.end());
   sets.push_back({free, 0, std::move(members)});
